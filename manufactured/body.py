@@ -39,7 +39,8 @@ class Kind(Enum):
     """The role of a part: clamped (2.3), loaded (2.4), contact (2.5), a roller, or an interface between two materials.
 
     A roller, for example a line of symmetry, has no tangential traction, and its normal displacement is 0 or
-    prescribed. It is not part of the paper: the command `study bound` accepts rollers, and exact solutions do not.
+    prescribed. It is not part of the paper. Exact solutions have no rollers; the command `study bound`, which bounds
+    the error of a computed displacement if the exact solution is not known, accepts them.
     """
 
     CLAMPED = "Γ1"
@@ -275,7 +276,8 @@ size of the body.
 class Body:
     """A polygon or polyhedron Ω with boundary conditions on its parts, and the final time T of the problem.
 
-    A body may have no contact part Γ3, for the command `study bound`; an ``ExactSolution`` needs Γ3.
+    A body may have no contact part Γ3. Then it serves only to bound the error of a computed displacement (command
+    `study bound`), because an ``ExactSolution`` needs Γ3.
 
     Attributes:
         parts: the parts of the boundary ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous
@@ -286,11 +288,15 @@ class Body:
             changes along them, and every mesh must contain them as edges.
 
     Raises:
-        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; a rigid motion is possible,
-            because there is neither a clamped part Γ1 nor rollers that exclude it (Korn's inequality (2.17) needs meas
-            Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin, that is,
-            (largest extent)^d exceeds ``SLENDER`` times its area or volume; a point of ``refine`` is not a vertex; or
-            an interface does not cut Ω.
+        BodyError: one of these conditions is violated:
+
+            * There are at least d + 1 parts, without gaps and with outward normals. Holes are listed clockwise, lie
+              inside the outline and do not meet.
+            * Γ1 or rollers exclude rigid motions, as Korn's inequality (2.17) needs. Rollers are parallel to an axis.
+            * T > 0.
+            * The body is not too thin: (largest extent)^d is at most 1000 times its area or volume (``SLENDER``).
+            * The points of ``refine`` are vertices.
+            * Interfaces cut Ω and do not cross.
     """
 
     parts: tuple[Part, ...]

@@ -73,7 +73,8 @@ class StrainTerm(NamedTuple):
         source: the number of the function that is differentiated: 0 for u_n, 1 for q, and from 2 on the components of
             r, if there is shear, and then of z.
         along: the multi-index of the derivative along the face.
-        profile: the name of the function of y in ``COMBINATIONS``.
+        profile: the name of the function of y, such as "a", "b'" or "a'+b": a function of ``Profile``, a derivative of
+            it, or a sum of both (``COMBINATIONS`` lists all).
     """
 
     row: int
@@ -360,7 +361,10 @@ class ContactFace(Face):
 
     @cached_property
     def rate_jets(self) -> tuple[Jet, ...]:
-        """The velocity of the face: the time derivatives of ``jets``, with their derivatives along the face."""
+        """The velocity of the face, ∂_t u_n = ∂_t w and then the components of ∂_t z, with their derivatives.
+
+        Each entry evaluates a formula of (s, t) and its derivatives along the face.
+        """
         return tuple(jet.rate() for jet in self.jets)
 
     @property
@@ -379,7 +383,11 @@ class ContactFace(Face):
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """The formula from whose truncated powers the exponents of the strain at contact fronts are read off."""
+        """The formula from whose truncated powers the exponents of the strain at contact fronts are read off.
+
+        It is the sum of ``strain.formula``, which contains the pressure if the strain follows from it, and of the
+        components of the slip.
+        """
         return self.strain.formula + sum(self.slip)
 
     def fronts(self, time: float) -> tuple[float, ...]:

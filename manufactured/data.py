@@ -63,8 +63,8 @@ def compiled(
             the time as its second argument.
 
     Raises:
-        FormulaError: there are other symbols, a wrong number of formulas, numbers that double precision cannot
-            represent, or functions that NumPy does not have.
+        FormulaError: there are other symbols, a wrong number of formulas, numbers that overflow or underflow in double
+            precision, or functions that NumPy does not have.
     """
     expressions = [own_formula(formula) for formula in formulas]
     if len(expressions) != count:
@@ -100,7 +100,8 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
     """Return a formula of the user with the symbols of this package.
 
     SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced. A
-    condition a < b becomes a − b < 0. Numbers that cancel are then removed by SymPy, and not by rounding.
+    condition a < b becomes a − b < 0, so that SymPy removes numbers that occur on both sides: x1 + 1 < 1 becomes
+    x1 < 0. Otherwise rounding would decide, because 1 + x1 is rounded to 1 for a tiny x1.
     """
     expression = sp.sympify(formula)
     expression = expression.subs(
@@ -131,7 +132,7 @@ def _as_pieces(part: sp.Expr) -> sp.Expr:
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
-    """Raise FormulaError if a formula contains NaN, infinity or a number that double precision cannot represent."""
+    """Raise FormulaError if a formula contains NaN, infinity or a number that overflows or underflows in a double."""
     if expression.has(sp.nan, sp.zoo, sp.oo) or extreme_numbers(expression):
         raise FormulaError(
             f"{name} is {sp.N(expression, 3)} in SymPy, and has no value in double precision somewhere; write it as a "
@@ -182,6 +183,8 @@ def no_fronts(time: float) -> tuple[Hyperplane, ...]:
 class Data:
     """The data of Problem 2.1: body, law, loads and initial displacement.
 
+    There is no initial gap, except for data of an exact solution that has one (``has_initial_gap``).
+
     Attributes:
         body: the body with its boundary parts and the final time.
         law: the material law.
@@ -189,11 +192,11 @@ class Data:
         surface_load: a function from a part of Γ2 and points on it to the function t ↦ f_2 at these points, (d, ...).
             Loads of an exact solution also accept an array of n times and then return values with n as a last axis.
         start: a function from points to the initial displacement u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
-        initial: a function from points to the initial strain ε(u_0), (D, ...).
-        lines: lines (direction, offset) across which f_0 or ε(u_0) is not smooth at any time, for quadrature.
+        initial: a function from points to the strain ε(u_0) of ``start``, (D, ...).
+        lines: lines (direction, offset) across which f_0 or ε(u_0) is never smooth, for quadrature.
         points: vertices of the body at which f_0 or ε(u_0) is singular.
-        formulas_of: the source of the functions, by which equal data are recognised: an exact solution,
-            ``Expressions``, or None for functions of Python. Only ``of`` and ``formulas`` state it. It is None after
+        formulas_of: what the functions were made from, by which equal data are recognised: an ``ExactSolution`` if
+            ``of`` made the data, ``Expressions`` if ``formulas`` did, otherwise None. It is also None after
             ``dataclasses.replace``, because it may not belong to the new functions.
         fronts: a function from a time to lines across which f_0 jumps or has kinks at this time only.
         force_modes: a function from points to f_0 as a sum of products of functions of x and of t; None if no such sum

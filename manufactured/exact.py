@@ -276,9 +276,10 @@ class ExactSolution:
 
     @property
     def rough(self) -> tuple[Hyperplane, ...]:
-        """The lines or planes at which strains are not smooth at any time.
+        """The lines or planes across which the strain is never smooth.
 
-        They go through the points ``rough`` of the faces, or A or G jumps across them.
+        They are the lines perpendicular to a contact face through its points ``rough``, and the lines or planes across
+        which A or G jumps.
         """
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
@@ -441,7 +442,11 @@ class FaceFields:
         return self.pressure(time) if jet is None else self._value(jet, time)
 
     def stress_scale(self) -> float:
-        """Return a typical size of stresses on the face, from the largest strain and gap, for tolerances."""
+        """Return a typical size of stresses on the face, for tolerances.
+
+        It is (L_A + L_G) max(|ε|, |w|) with the Lipschitz constants of A and G and the largest strain component and gap
+        at the points, at nine times. The gap counts like a strain, as for a body of size 1.
+        """
         instants = np.linspace(0, self.solution.body.T, 9)
         sizes = [abs(part).max() for t in instants for part in (self._fields.strain(t), self.gap(t))]
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
@@ -450,14 +455,16 @@ class FaceFields:
         """Return the functions that must be continuous along the contact face, each with its derivative along an axis.
 
         They are the gap w, and for a ``ContactFace`` also its gradient ∇_s w along the face, the normal strain q, the
-        shear strain r, the slip z, and the initial gap g with ∇_s g.
+        shear strain r, the slip z, and the initial gap g with ∇_s g if there is one.
 
         Args:
             time: the time.
             axis: the number of the coordinate s of the face with respect to which the derivatives are taken, 0 or 1.
 
         Returns:
-            A dict from the name of a function to its values and the values of its derivative, (...) each.
+            A dict from the name of a function to its values and the values of its derivative, (...) each. The names
+            are "w", "∂_i w", "g", "∂_i g", "(q, r)_0" for q, "(q, r)_i" for the components of r, and "z_i" for those of
+            z, where i = 1, …, d − 1.
         """
         unit = np.eye(len(self.s), dtype=int)
 

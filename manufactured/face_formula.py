@@ -53,9 +53,12 @@ class FaceFormula:
     def plain(self) -> sp.Expr:
         """The formula without those truncated powers x_+^a that are smooth on the face, which are replaced by x^a or 0.
 
-        A truncated power ``pos(x, a)`` is smooth if x does not change its sign on the face. In the remaining ones x
-        vanishes on the face, at a contact front, or at an end of the face with an exponent a that is not a natural
-        number.
+        A truncated power ``pos(x, a)`` is replaced by 0 if x ≤ 0 on the whole face at all times. It is replaced by x^a
+        if x > 0, or if x ≥ 0 and a is a natural number. What remains are
+
+        * powers whose x changes its sign on the face, at a contact front;
+        * powers whose x ≥ 0 vanishes somewhere, such as at an end of the face, and whose a is no natural number;
+        * powers that depend on t only.
         """
 
         def resolved(power: pos) -> sp.Expr:
@@ -171,8 +174,9 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
 def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
     """Return two exponents (a, k) that describe how a formula behaves near x = 0.
 
-    Near x = 0 the formula has the size x^k. It is smooth there except for a truncated power x_+^a and higher ones.
-    Sums, products and powers of ``pos(x, ·)`` and of x are understood.
+    The formula has the size x^k as x → 0 with x > 0. It is smooth there except for a truncated power x_+^a and higher
+    ones; without truncated powers of x, a is infinity. For x ``pos(x, 2)`` the result is (3, 3), for 1 + ``pos(x, 2)``
+    it is (2, 0). Sums, products and powers of ``pos(x, ·)`` and of x are understood.
 
     Args:
         formula: the formula.

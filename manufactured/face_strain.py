@@ -197,7 +197,13 @@ class Quadrature:
         self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals for given points and starting times. ``Convolution.started`` describes the parameters.
+        """Prepare the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for given points s and starting times a.
+
+        Args:
+            points: the coordinates s of the points, (d − 1, N).
+            lower: the starting times a, (N,).
+            upper: the latest times b for which integrals will be needed, (N,).
+            order: the highest order |i| of derivatives along the face.
 
         Raises:
             FormulaError: the integrand P changes too fast in time for the quadrature rule.
@@ -258,8 +264,11 @@ class _Gauss:
 def integral(branch: sp.Expr, variables: Symbols, decay: float) -> Convolution | Quadrature:
     """Return the object that computes the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time.
 
+    It is a ``Convolution`` if P is a polynomial of the time, otherwise a ``Quadrature``.
+
     Args:
-        branch: the formula of P, the contact pressure divided by the viscosity, where it is smooth in time.
+        branch: the formula of P, which must be smooth in time: the load on the face (``Memory.load``), or a part of it,
+            divided by the normal modulus of the viscosity.
         variables: the symbols of the coordinates s along the face.
         decay: the rate λ.
     """
@@ -542,11 +551,15 @@ def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...
 
 @dataclass(frozen=True, eq=False)
 class PressureTerm:
-    """A part of the contact pressure divided by the viscosity: the sum of all its terms with the same moving fronts.
+    """The sum of those terms of the load over the viscosity, (p + l)/a, that have the same moving contact fronts.
+
+    p is the contact pressure, l the normal stress that a slip causes, and a the normal modulus of the viscosity. Each
+    front is given by a function ψ(s, t). At each point of the face, the sum is smooth in time while all these ψ are
+    positive, and 0 at other times.
 
     Attributes:
-        moving: the moving contact fronts, between which the pressure is smooth in time.
-        integral: computes integrals over time of the formula that holds where there is contact.
+        moving: the moving contact fronts.
+        integral: computes integrals over time of the formula that holds where all ψ are positive.
     """
 
     moving: tuple[Front, ...]
@@ -692,12 +705,18 @@ class Memory:
     """The normal strain q on a contact face for a linear law, computed from the history of the contact pressure p.
 
     q is the solution of a q̇ + g q = −(p + l), exact up to rounding. Here a and g are the normal moduli of viscosity
-    and elasticity, and l is the normal stress that a slip of the face causes, 0 without slip. p + l must be a sum of
-    terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact fronts. θ and the moving ψ_i must be smooth in t,
-    and the m_i of moving ψ_i must be integers ≥ 2. At each s, the roots of the ψ_i divide [0, T] into intervals of
-    contact (``front``), on which (p + l)/a is a smooth function P(s, ·). With λ = g/a, the integral of e^{−λ(t−r)} P
-    over the time r is known in closed form if P is a polynomial of t; otherwise Gauss's rule is used (``integral``).
-    Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with ∂_s^i P.
+    and elasticity, and l is the normal stress that a slip of the face causes, 0 without slip.
+
+    **Form of the load.** p + l must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i). Those ψ_i that contain t are
+    called moving; their zeros are contact fronts that move. θ and the moving ψ_i must be smooth in t. The exponents m_i
+    of moving ψ_i must be integers ≥ 2, or ≥ 0 if ψ_i does not depend on s.
+
+    **Integration.** At each s, the roots in t of the moving ψ_i of a term divide [0, T] into intervals (``front``). The
+    term, divided by a, is a smooth function P(s, ·) in those intervals in which all of them are positive, and 0 in the
+    others. With λ = g/a, the integral of e^{−λ(t−r)} P over the time r is known in closed form if P is a polynomial of
+    t; otherwise Gauss's rule is used (``integral``). The derivative ∂_s^i q is the same expression with ∂_s^i P for all
+    i up to the smallest exponent of a moving ψ that depends on s: ∂_s^{i−1} P then vanishes where an interval begins or
+    ends at a time that depends on s.
 
     Attributes:
         pressure: the formula of p(s, t).
@@ -868,15 +887,15 @@ class _ContactIntervals:
 class Coupled:
     """The strain on a contact face for a linear law that couples the normal strain q with the shear strain r.
 
-    y = (q, r) satisfies 𝒜 ẏ + 𝒢 y = −(p, 0) − l with the contact pressure p, the stress l that a slip of the face
-    causes, and matrices 𝒜, 𝒢 of moduli. The solution is y = Σ_i x_i η_i with the eigenvectors x_i, for which
-    𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the solution of η̇_i + λ_i η_i = −x_i·((p, 0) + l), a scalar equation
-    that ``Memory`` solves.
+    y = (q, r) satisfies α (𝒜 ẏ + 𝒢 y) = −(p, 0) − l with the contact pressure p, the stress l that a slip of the face
+    causes, matrices 𝒜, 𝒢 of moduli, and a common scalar factor α(s). The solution is y = Σ_i x_i η_i with the
+    eigenvectors x_i, for which 𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I, where X has the columns x_1, …, x_d. Each η_i is the
+    solution of α (η̇_i + λ_i η_i) = −x_i·((p, 0) + l), a scalar equation that ``Memory`` solves.
 
     Attributes:
         pressure: the formula of p(s, t).
-        modes: the solutions η_i.
-        vectors: the eigenvectors x_i as columns, (d, d).
+        modes: the functions η_i(s, t).
+        vectors: the matrix X of the eigenvectors x_i, (d, d).
     """
 
     pressure: sp.Expr
@@ -901,9 +920,9 @@ class Coupled:
         Args:
             pressure: the formula of the contact pressure p(s, t).
             slip_stress: the formulas of the d components of l(s, t), the stress that a slip of the face causes.
-            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without their common factor, (d, d) each. y = (q, r) solves
-                𝒜 ẏ + 𝒢 y = −(p, 0) − l.
-            scale: the formula of the factor by which both matrices are multiplied.
+            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without the factor α, (d, d) each. y = (q, r) solves
+                α (𝒜 ẏ + 𝒢 y) = −(p, 0) − l.
+            scale: the formula of the common factor α(s).
             T: the final time.
             initial: the formula of q(s, 0), with r(s, 0) = 0; None for a start at rest, q̇ = ṙ = 0.
             variables: the symbols of the coordinates s along the face.
@@ -927,7 +946,10 @@ class Coupled:
 
     @property
     def formula(self) -> sp.Expr:
-        """The formula from whose truncated powers the smoothness of the strain is read off."""
+        """The formula from whose truncated powers the smoothness of the strain is read off.
+
+        It is the sum of the pressure p and of the formulas of all η_i; its values have no meaning.
+        """
         return self.pressure + sum(mode.formula for mode in self.modes)
 
     def at(self, points: Array) -> StrainAtPoints:

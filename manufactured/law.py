@@ -250,9 +250,9 @@ def face_moduli(operator: MatrixOperator, frame: Array) -> Array:
     """Return the moduli d_a·C d_b of a linear operator C, for basis strains d_a and d_b on a contact face.
 
     They give the traction on the face that each possible strain causes. d_1, …, d_d are n⊗n and (n⊗t_i + t_i⊗n)/2 for
-    the normal n and the tangents t_i. The other d_b are (t_i⊗t_j + t_j⊗t_i)/2 for all pairs (i, j), in 3D in the order
-    (1, 1), (1, 2), (2, 1), (2, 2). They occur if the face slips: the component of the slip along t_i has a derivative
-    along t_j.
+    the normal n and the tangents t_i. The other d_b are (t_i⊗t_j + t_j⊗t_i)/2, one for each derivative along t_j of the
+    component along t_i of a slip, in 3D in the order (i, j) = (1, 1), (1, 2), (2, 1), (2, 2). So the second and the
+    third of them are equal.
 
     Args:
         operator: the operator α(x) C with the matrix C in Mandel form. The moduli of C alone are returned, without the
@@ -260,7 +260,8 @@ def face_moduli(operator: MatrixOperator, frame: Array) -> Array:
         frame: the tangents t_i and then the normal n as columns, (d, d).
 
     Returns:
-        The moduli for a ≤ d and all b, (d, d + (d−1)²), without round-off.
+        The moduli for a ≤ d and all b, (d, d + (d−1)²). Moduli of at most ``MODULUS_ROUNDING`` times the largest one,
+        which are round-off, are replaced by 0.
     """
     *tangents, n = frame.T
     on_normal = [dyad(n, n), *(dyad(n, tangent) for tangent in tangents)]

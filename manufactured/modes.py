@@ -47,10 +47,10 @@ class Modes:
 
 
 def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Modes:
-    """Return a strain or force that is not a sum of a few products (function of the point) × (function of time).
+    """Return any strain or force, given by its values at all points, in the form of ``Modes``.
 
-    It becomes a sum with one term for every component. The factors of a term that change with time (``amplitudes``) are
-    the values of the component at all points.
+    It is for fields that are no sum of a few products (function of the point) × (function of time). There is one term
+    for every component of the field, with φ_k = 1; its amplitudes are the values of the component at all points.
 
     Args:
         field: the function (t, rate) ↦ values, (rows, ...), or their time derivative if ``rate`` is true.

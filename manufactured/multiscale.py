@@ -104,12 +104,12 @@ class FadingFace(StatedFace):
         Args:
             s: the coordinates of the n points along the face, (1, n).
             time: the time.
-            rate: whether the same derivatives of the time derivatives of w, q and D are appended.
+            rate: whether the same derivatives of the time derivatives ẇ, q̇ and Ḋ are appended.
             order: the highest order of the derivatives that ``lifted`` shall return.
 
         Returns:
             The derivatives of w of the orders 0 to order + 1, then those of q and those of D of the orders 0 to order,
-            (n,) each.
+            (n,) each. If ``rate`` is true, the same derivatives of ẇ, q̇ and Ḋ follow in the same order.
         """
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
@@ -237,16 +237,21 @@ def multiscale() -> tuple[Case, ...]:
     proportional to ℓ contributes about ℓ to |u|²_{H²} and to |σ_ν|_{1/2} |u_ν'|_{1/2} on Γ3. So every train, which has
     about 1/ℓ details, contributes equally. To |u_ν|²_{H²(Γ3)} a detail contributes about 1. With more and more trains
     of the same total length, u therefore stays bounded in H², but its trace on Γ3 does not. The phase 29/100 is such
-    that no front lies at a vertex of a mesh, and that every mesh cuts the train of its own size in the same way. The
-    depth and ϖ/ω are such that the work of contact is large compared with the error.
+    that no front of the case trains lies at a vertex of a mesh: on edges of the length ℓ, for example, every front
+    divides its edge in the same ratio.
 
-    Predicted for the work of contact on meshes with n cells along a side, 32 ≤ n ≤ 128: its square root has the order 1
-    of the bound h² Σ_E |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}, because for every such h there are trains of the widths h/2, …,
-    4h. On coarser meshes wider trains are missing, and the order is lower; on finer meshes narrower trains are missing,
-    and it is higher. For one fixed u the order finally rises above 1. No order is predicted for the error in V, which
-    is not asymptotic on these meshes.
+    The cases are made for the *work of contact*, the work R = ∫_{Γ3} σ_ν (Π^h u_ν − u_ν) of the contact force on the
+    interpolation error, which the error estimate contains. The depth and ϖ/ω are such that R is large compared with the
+    error.
 
-    They are not in the catalogue, because the meshes of its cases are too coarse for them.
+    Predicted for the work of contact on meshes with n cells along a side, 32 ≤ n ≤ 128: its square root has the order
+    1, like the root of the bound h² Σ_F |σ_ν|_{1/2,F} |u_ν'|_{1/2,F}, a sum over the edges F on Γ3. For every such h
+    there are trains of the widths ℓ = h/2, …, 4h. On coarser meshes wider trains are missing, and the order is lower;
+    on finer meshes narrower trains are missing, and it is higher. For one fixed u the order finally rises above 1. No
+    order is predicted for the error in V, which is not asymptotic on these meshes.
+
+    These cases are not in the catalogue, because the meshes on which the study computes the cases of the catalogue are
+    too coarse for them.
     """
     return static(), breathing()
 
@@ -276,8 +281,10 @@ def breathing() -> Case:
 class StripFace(ContactFace):
     """A contact face in 2D whose displacement is zero beyond the ends s = 0 and s = |Γ3,i| of its part.
 
-    A train of contact patches lies on the part. Its displacement must not reach into the strip above the next part. At
-    the ends the contact data must vanish so smoothly that no strain jumps.
+    It is used like ``ContactFace``. Its displacement is zero outside the strip {0 ≤ s ≤ |Γ3,i|} above its part, so that
+    it does not overlap with the displacement of a neighbouring part on the same side of the body. The gap w with its
+    first two derivatives and the normal strain q with its first derivative must vanish at both ends, so that no strain
+    jumps there; this is not checked.
     """
 
     def at(self, x: Points) -> Lifting:
@@ -353,34 +360,36 @@ DEPTH = Rational(7, 10)
 @checked(FormulaError)
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """Return the four roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
+    """Return the four roller cases for a level n, with a narrow patch of contact whose size is ℓ = 2/n.
 
-    In the cases roller-n, pushing-roller-n and steep-roller-n a narrow patch of contact moves along Γ3. In the case
-    standing-n it opens and closes in a fixed place.
+    In the cases roller-n, pushing-roller-n and steep-roller-n a patch of the width ℓ moves along Γ3. Its normal strain
+    q, contact pressure p and gap w are
 
-    The patch has the width ℓ if it moves and 2ℓ if it stands. Its normal strain q, contact pressure p and gap w are
+        q = −Q e^ξ H(−ξ/ℓ),   p = 3Q e^ξ H'(−ξ/ℓ)/ℓ,   w = ω ℓ W(ρ),   ξ = s − 3/20 − t,   ρ = dist(ξ, [−ℓ, 0])/ℓ
 
-        roller:          ξ = s − 3/20 − t,   q = −Q e^ξ H(−ξ/ℓ),          p = 3Q e^ξ H'(−ξ/ℓ)/ℓ,    w = ω ℓ W(ρ),
-                         ρ = dist(ξ, [−ℓ, 0])/ℓ,
-        standing patch:  ξ = s − 1/2,        q = −Q B(ξ/ℓ) Σ_j e^{t_j−t} H((t − t_j)/ℓ),
-                         p = 3Q B(ξ/ℓ) Σ_j e^{t_j−t} H'((t − t_j)/ℓ)/ℓ,
-                         w = ω ℓ (W(ρ) + B(ξ/ℓ) Π_j C((t − t_j)/ℓ)),   ρ = dist(ξ, [−ℓ, ℓ])/ℓ,
+    with Q = 1 and ω = 1/10, but Q = 2 in pushing-roller-n and ω = 1/5 in steep-roller-n. In the case standing-n a patch
+    of the width 2ℓ opens and closes in a fixed place, with Q = 1, ω = 1/10 and the sum and the product over j = 1, 2:
+
+        q = −Q B(ξ/ℓ) Σ_j e^{t_j−t} H((t − t_j)/ℓ),   p = 3Q B(ξ/ℓ) Σ_j e^{t_j−t} H'((t − t_j)/ℓ)/ℓ,
+        w = ω ℓ (W(ρ) + B(ξ/ℓ) Π_j C((t − t_j)/ℓ)),   ξ = s − 1/2,   ρ = dist(ξ, [−ℓ, ℓ])/ℓ,   t_1 = 1/10, t_2 = 2/5.
+
+    The functions are
 
         H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond,   B(z) = (1 − z²)_+^4,   W(ρ) = ρ³/(1 + ρ²)^{9/8},
-        C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1,   t_1 = 1/10, t_2 = 2/5,   Q = 1, ω = 1/10, 0 ≤ t ≤ 7/10,
+        C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1.
 
-    on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). In the case pushing-roller-n, Q is 2, and
-    in the case steep-roller-n, ω is 1/5. The displacement reaches to the depth 7/10 (ℓ² + ξ²)^{1/2}: a detail of width
-    r, at the distance r from the patch, reaches to a depth proportional to r.
+    The body is the unit square, 0 ≤ t ≤ 7/10, and A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). The displacement
+    reaches to the depth 7/10 (ℓ² + ξ²)^{1/2}: a detail of width r, at the distance r from the patch, reaches to a depth
+    proportional to r.
 
-    For a fixed ℓ, u lies in H². As ℓ → 0 its norm in H² grows, but only like |log ℓ|^{1/2}. The reason is that W ~
-    ρ^{3/4} for large ρ, which keeps ∂_s w bounded in H^{1/2}(Γ3), while q has a step at the patch: the strain that the
-    pressure p ≥ 0 causes decays in a time ∼ 1, much later than the patch has passed. The velocity is not bounded in H²
-    as ℓ → 0. W ~ ρ³ at ρ = 0, because with ρ² the strain ∂_s u_s = −y ∂_s² w would jump on lines into the body, and u
-    would not lie in H².
+    For a fixed ℓ, u lies in H². As ℓ → 0 its norm in H² grows, but only like |log ℓ|^{1/2}: W ~ ρ^{3/4} for large ρ
+    keeps ∂_s w bounded in H^{1/2}(Γ3), but q has a step at the patch, because the strain that the pressure p ≥ 0 causes
+    decays in a time ∼ 1, much later than the patch has passed. The velocity is not bounded in H² as ℓ → 0. W ~ ρ³ at ρ
+    = 0, because with ρ² the strain ∂_s u_s = −y ∂_s² w would jump on lines into the body, and u would not lie in H².
 
-    Predicted order 1 for a fixed ℓ and h → 0, because u ∈ H². The case ℓ = 2h is in
-    ``study.statements.work_of_contact``.
+    Predicted order 1 for a fixed ℓ and h → 0, because u ∈ H². But the cases of level n are meant for meshes of level n,
+    on which ℓ = 2h shrinks with h. Then the part of the error that is due to contact is predicted to have the order 1,
+    less a logarithm, or only 1/2, depending on the meshes (``study.statements.work_of_contact``).
 
     These cases are not in the catalogue, because each of them is meant for the meshes of one level.
 

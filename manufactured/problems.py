@@ -30,7 +30,15 @@ def _bump(x: Expr) -> Expr:
 
 
 def ramp() -> Data:
-    """Return the data of the problem ramp: a wedge on whose top a load travels."""
+    """Return the data of the problem ramp: a wedge on whose inclined top a load travels.
+
+    The wedge has the corners (0, 0), (3, 0), (3, 1/2), (0, 1/2 + √3). Γ1 is its left side, Γ3 its bottom. The load on
+    its top is
+
+        f_2 = −8 t² (3 − 2t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   c = 4/5 + 7t/5,   w = 4/5,   0 ≤ t ≤ 1.
+
+    The right side is free, f_0 = 0 and u_0 = 0. The law is linear, with A and G that are not proportional.
+    """
     slope = 1 / sqrt(3)
     height = Rational(1, 2) + 3 * slope
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
@@ -44,7 +52,9 @@ def ramp() -> Data:
 def bracket() -> Data:
     """Return the data of the problem bracket: an L-shaped body whose foot is pressed down.
 
-    The load on the top of the foot, x_2 = 1 and 1 ≤ x_1 ≤ 2, is f_2 = −4t (1 − (2x_1 − 3)²)_+³ ν.
+    The body is [0, 2]² without (1, 2]². Γ1 is its top x_2 = 2, Γ3 its bottom. The load on the top of the foot, x_2 = 1
+    and 1 ≤ x_1 ≤ 2, is f_2 = −4t (1 − (2x_1 − 3)²)_+³ ν with 0 ≤ t ≤ 1. Other sides are free, f_0 = 0 and u_0 = 0. The
+    law is linear, with A and G that are not proportional.
     """
     body = l_shape(refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
     strength = 4 * t * _bump((x1 - Rational(3, 2)) * 2)

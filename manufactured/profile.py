@@ -171,12 +171,12 @@ def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return a profile with which the strain in the body can be uniform.
 
-    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The functions are the same as
-    in the profile ``cutoff``, except b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ), which multiplies the gap.
+    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The functions of ``Profile``
+    are b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0, f = φ(y/ℓ). Only b differs from ``cutoff``.
 
     Args:
         depth: ℓ, the depth beyond which the displacement is zero.
-        phi: the coefficients of φ, as for ``cutoff``.
+        phi: the coefficients of a polynomial φ with φ(0) = 1, φ'(0) = 0, φ(1) = 0, lowest power first.
     """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)

@@ -94,7 +94,8 @@ class Regularity:
         """Whether the body force is square integrable, f_0(t) ∈ L²(Ω)^d.
 
         This holds if the displacement of the contact faces and its time derivative lie in H². Singular fields r^λ at
-        corners and natural fronts have Div σ = 0, so they do not contribute to f_0.
+        corners and at natural fronts, where the gap behaves like r^{3/2}, have Div σ = 0 near the singular point, so
+        f_0 is not singular there.
         """
         front = min(self.gap - 1.5 - self.moving, self.pressure - 0.5)
         return front > 1

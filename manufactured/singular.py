@@ -120,9 +120,10 @@ class SingularField:
         frame: the axes of the local coordinates x, y around the point, as columns, (2, 2). The power z^β is
             discontinuous on the negative x-axis, which must lie outside the body or on its boundary.
         x, y: the terms y^m Re(c z^β), z = x + iy, of which the components U_x and U_y consist.
-        theta: the formula of the function of time θ(t).
-        radial: χ as a function of the distance r from the point.
-        depth: χ as a function of the local coordinate y. If neither ``radial`` nor ``depth`` is given, χ = 1.
+        theta: the formula of the factor θ(t), with the symbol t.
+        radial: χ as a function of the distance r from the point, a piecewise polynomial.
+        depth: χ as a function of the local coordinate y, a piecewise polynomial. If it is given, ``radial`` is not
+            used. If neither is given, χ = 1.
     """
 
     centre: tuple[float, float]

@@ -34,11 +34,14 @@ Function = Callable[..., list[Array]]
 NOT_REAL = (sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo)
 """SymPy objects whose presence in a formula shows that the formula is complex or not finite."""
 SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
-"""Double precision represents the absolute values of numbers between these two numbers."""
+"""The range of double precision: absolute values of numbers must lie between these two numbers."""
 
 
 def extreme_numbers(formula: sp.Expr) -> list[sp.Number]:
-    """Return the numbers of a formula that double precision cannot represent, except 0."""
+    """Return the numbers of a formula that overflow or underflow in double precision; 0 is not one of them.
+
+    Their absolute value is above ``LARGEST`` or below ``SMALLEST``.
+    """
     return [
         number for number in formula.atoms(sp.Number) if not number.is_zero and not SMALLEST <= abs(number) <= LARGEST
     ]

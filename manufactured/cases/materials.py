@@ -314,15 +314,13 @@ def softening() -> Case:
 
     Predicted order 1: the front moves. The exponents of gap and pressure at the front, α = 5 > 7/2 and m = 3 > 3/2,
     give (5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz. The exponents also satisfy α >
-    9/2 and m > 5/2, so (3.4) holds as it is printed.
+    9/2 and m > 5/2, so that even (3.4) holds, with f_0 ∈ W^{1,1}(0,T;H); the paper uses only its consequence (3.8), f ∈
+    W^{1,1}(0,T;V).
 
-    G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5},
-    because −g/a = 1/5. Errors may grow like e^{2t/3}, because A has the eigenvalue 3 and G the eigenvalue −2 in volume.
-    The problem of a time step of length k is known to have a unique solution for k < 1.
-
-    In a first version the eigenvalue in volume was −5 and the gap did not grow. In that version ‖Π^h u − u^h‖ may grow
-    like e^{5t/3}. On the mesh with n = 8 cells along a side it was 0.65 ‖u − Π^h u‖, and the check that (‖u − u^h‖² +
-    ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed with the quotient 1.15.
+    G is not monotone, and L_G/m_A = 1. The normal strain that the pressure has caused on Γ3 does not decay but grows
+    like e^{t/5}, because −g/a = 1/5. Errors contain other strains, too. They may grow faster, like e^{2t/3}, because in
+    volume A has the eigenvalue 3 and G the eigenvalue −2. The problem of a time step of length k is known to have a
+    unique solution for k < 1.
     """
     return Case(
         name="softening",
@@ -356,21 +354,19 @@ def double_well() -> Case:
         p = a Q̇ − Q − 4 (1 − 2/|ε|)_+ q,   |ε|² = (∂_s z)² + q²
 
     on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I with a = A_nnnn = 5/2. The elasticity is G
-    ε = S − ε + 4 (ε − P_K ε) with K = {|τ| ≤ 2} and the stress at rest S = e_1 ⊗ e_1.
+    ε = S − ε + 4 (ε − P_K ε) with K = {|τ| ≤ 2} and the stress at rest S = e_1 ⊗ e_1. q_z is the normal strain that the
+    slip needs without pressure: a q̇_z − q_z + λ ∂_s ż = 0 with λ = A_nnss = 1/2. Where the front has not been, q =
+    q_z, |ε| ≤ 2 and p = 0.
 
     Predicted order 1: the front moves. At the front q has the exponent 3, so p ~ q̇ has m = 2 > 3/2, and the gap has α
     = 4 > 7/2. This gives (5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
-
-    q_z is the strain that the slip alone needs, with a q̇_z − q_z + λ ∂_s ż = 0 for λ = A_nnss = 1/2. Where the front
-    has not been, |ε| ≤ 2 and p = 0.
 
     Without S, the stored energy is smallest on a sphere around ε = 0, as in a body that snaps through. The slope of G
     is −1 inside K and 3 far from K. So L_G/m_A = 3/2, and differences of solutions may grow at the rate 1/2. The stress
     at rest S acts along the face and causes no traction on it, so it enters f_2 only.
 
-    The gap is largest while the front moves. In a first version the gap was small, and the pressure caused most of the
-    error. In that version the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed on criss-cross
-    meshes, with a quotient of up to 1.24.
+    The factor 1 + 24t(1 − t) makes the gap largest while the front moves. With a small gap the pressure would cause
+    most of the error.
     """
     law = softening_then_hardening()
     body = unit_square()
@@ -401,7 +397,8 @@ SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
 def law_without_potential() -> KelvinVoigt:
     """Return a linear law whose elasticity G is not symmetric, so that it is not the derivative of an energy.
 
-    G is the elasticity of ``softening_in_volume`` plus the skew operator W of ``no_potential``.
+    A τ = 2τ + (tr τ)/2 I and G τ = τ − (3/2)(tr τ) I + W τ, where W is skew: (W τ)_11 = 3√2 τ_12, (W τ)_12 =
+    −(3/√2) τ_11 and (W τ)_22 = 0.
     """
     G = NonSymmetric(isotropic_matrix(0.5, -1.5) + 3 * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
@@ -410,10 +407,11 @@ def law_without_potential() -> KelvinVoigt:
 def no_potential() -> Case:
     """A front that advances and recedes on a material whose elasticity has no potential and is not monotone.
 
-    The gap w, the contact pressure p, the slip z, the front c and the normal strain q at t = 0 are the same as in the
-    case ``softening``,
+    The gap w, the contact pressure p, the slip z, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at
+    t = 0 are the same as in the case ``softening``,
 
-        w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   z = 4t sin(3x + 1/2),   c = 7/24 + 15t(1 − t)/8,   q(0) = 0
+        w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   z = 4t sin(3x + 1/2),   ψ = c − x,
+        c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
     on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I, and the elasticity is G τ = τ − (3/2)(tr
     τ) I + W τ with the skew part
@@ -423,12 +421,12 @@ def no_potential() -> Case:
     W τ·τ = 0, so G has the same constant of monotonicity m = −2 as in ``softening``, and differences of solutions may
     grow at the rate γ = 2/m_A = 1; κ = L_G/m_A = 2.03. G is not the derivative of a stored energy, because its matrix
     is not symmetric. W maps ε_22 to 0, so the normal strain on Γ3 is the same as in ``softening``. It maps ε_11 = ∂_s z
-    to a shear stress, for which a shear strain on Γ3 makes up.
+    to a shear stress; a shear strain on Γ3 causes the opposite shear stress, so that σ_τ = 0.
 
     Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 requires only that G is Lipschitz.
 
-    The case is not in the catalogue, because some computations for cases of the catalogue need a symmetric G: Problem
-    3.2 on the strains of V^h, the energy balance, and the error bound.
+    The case is not in the catalogue, because some computations for cases of the catalogue need a symmetric G: the
+    solution of Problem 3.2 (for the stress instead of the displacement), the energy balance, and the error bound.
     """
     return Case(
         name=NO_POTENTIAL,

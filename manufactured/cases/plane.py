@@ -149,8 +149,8 @@ def travelling_patch() -> Case:
     on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
     Predicted order 1: the fronts move. The exponents of gap and pressure at the fronts, α = 5 > 7/2 and m = 3 > 3/2,
-    give (5.36), so that Prop. 5.4 applies. The exponents also satisfy α > 9/2 and m > 5/2, so (3.4) holds as it is
-    printed.
+    give (5.36), so that Prop. 5.4 applies. The exponents also satisfy α > 9/2 and m > 5/2, so that even (3.4) holds,
+    with f_0 ∈ W^{1,1}(0,T;H); the paper uses only its consequence (3.8), f ∈ W^{1,1}(0,T;V).
 
     The patch appears at t = 1/8, travels from left to right and vanishes at t = 7/8; its largest half-width is 0.32.
     When it appears and vanishes, the speed of its fronts is infinite. The gap is largest between these times, so that
@@ -227,13 +227,13 @@ def lift_and_land() -> Case:
     on the bottom of the unit square, with the unit step H. The viscosity A has no lateral contraction (λ_A = 0), and a
     = A_nnnn = 2.
 
-    Predicted order 1: there is no front. w and q are smooth in space, and u̇ is bounded with one jump in time, so that
-    u ∈ W^{1,∞}(0,T;H²). This gives (5.36), so that Prop. 5.4 applies.
+    Predicted order 1: there is no front. w and the normal strain q on Γ3, which p and z cause, are smooth in space, and
+    u̇ is bounded with one jump in time, so that u ∈ W^{1,∞}(0,T;H²). This gives (5.36), so that Prop. 5.4 applies.
 
-    At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A, the viscous stress of the jump is balanced by the
-    pressure −a ẇ(t_2^−) on Γ3 alone. So p jumps, but the loads f_0 and f_2 stay continuous: f ∈ W^{1,1}(0,T;V), while u
-    is only in W^{1,∞}(0,T;V). The displacement contains a field with this jump because u_n = w (1 − y) + …
-    (``profile.slab``).
+    At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n with the inward normal n. For this A, the viscous stress of the jump
+    is balanced by the pressure −a ẇ(t_2^−) on Γ3 alone. So p jumps, but the loads f_0 and f_2 stay continuous: f ∈
+    W^{1,1}(0,T;V), while u is only in W^{1,∞}(0,T;V). The jump has this form because the normal displacement is u_n =
+    w (1 − y) + (w + q) y φ(y) (``profile.slab``), and ẇ + q̇ does not jump.
     """
     lift, land = Rational(3, 10), Rational(7, 10)
     swell = 1 + 4 * s * (1 - s)
@@ -330,20 +330,22 @@ def rotated() -> Case:
 def corner() -> Case:
     """Two sides at right angles in contact, with pressure at the corner between them: a vertex with two constraints.
 
-    The gap w, the contact pressure p, the slip z away from the corner and the contact zone {ψ ≥ 0} with the front c are
+    The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
         w = 5 (ρ − c)_+^5,   p = 100 (c² − ρ²)_+³,   z = Z t ρ² (1 − ρ),   ψ = c − ρ,
         bottom: c(t) = 2/5 + (4/5) t(1 − t), Z = 8,   left: c(t) = 3/5 − t/3, Z = 12
 
-    on each side, where ρ is the distance from the corner. Γ3 is the bottom and the left side of the unit square. Γ1 is
-    the right quarter of the top. The displacement is the sum of two fields, one for each side, which reach to the
-    depths 1 and 3/4. The field of one side does not change the contact data of the other side, for three reasons. Since
-    p is even in ρ, the field is symmetric about the other side and causes no shear there. z and ∂_ρ z vanish at ρ = 0.
-    And A and G do not couple normal strains (``shared.without_contraction``).
+    on each side, where ρ is the distance from the corner, and z > 0 is a slip that points away from it. Γ3 is the
+    bottom and the left side of the unit square. Γ1 is the right quarter of the top. The displacement is the sum of two
+    fields, one for each side, which reach to the depths 1 and 3/4. The field of one side does not change the contact
+    data of the other side, for three reasons. Since p is even in ρ, the field is symmetric about the other side and
+    causes no shear there. z and ∂_ρ z vanish at ρ = 0. And A and G do not couple normal strains
+    (``shared.without_contraction``).
 
     Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 5 > 7/2
     and m = 3 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies. The exponents also
-    satisfy α > 9/2 and m > 5/2, so (3.4) holds as it is printed.
+    satisfy α > 9/2 and m > 5/2, so that even (3.4) holds, with f_0 ∈ W^{1,1}(0,T;H); the paper uses only its
+    consequence (3.8), f ∈ W^{1,1}(0,T;V).
     """
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED, Kind.CONTACT]
     body = polygon([(0, 0), (1, 0), (1, 1), (0.75, 1), (0, 1)], kinds)
@@ -386,9 +388,10 @@ def contact_at_clamp() -> Case:
     on the bottom of the unit square. Viscosity A and elasticity G are not proportional. Γ1 is the left side, Γ3 the
     bottom, Γ2 the rest. Γ1 and Γ3 meet at the origin, at a right angle, and the contact zone [0, c(t)] begins there.
 
-    Predicted order 1: p has the factor x, z and ∂_s z vanish at x = 0, so w and q vanish there for all times. The
-    displacement therefore vanishes on Γ1, (2.3), and is smooth at the corner between Γ1 and Γ3. The front moves. The
-    exponents of gap and pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
+    Predicted order 1: p has the factor x, and z and ∂_s z vanish at x = 0. So the normal strain q, which p and z cause,
+    vanishes there for all times; w does, too, because c > 0. The displacement therefore vanishes on Γ1, (2.3), and is
+    smooth at the corner between Γ1 and Γ3. The front moves. The exponents of gap and pressure at the front, α = 4 > 7/2
+    and m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 
     Where a contact zone meets a clamped side, the solution is usually singular (``rough.junction``). This load avoids
     the singularity.

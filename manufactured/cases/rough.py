@@ -43,12 +43,16 @@ def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
 
 
 def with_natural_front(theta: Expr, place: Expr, moving: bool = False) -> ExactSolution:
-    """Return the exact solution with a natural front on the bottom of the unit square.
+    """Return the exact solution with a natural front on the bottom of the unit square, for the law with G = 2A.
+
+    A natural front is a contact front as it forms if the loads are smooth: the gap behaves like r^{3/2} and the strain
+    like r^{1/2} at the distance r from it.
 
     Args:
         theta: the formula of the factor θ(t) by which the singular field of ``natural_front`` is multiplied.
         place: the position c of the front along the bottom: a number, or a formula of t if the front moves.
-        moving: whether the front moves.
+        moving: whether ``place`` depends on t. The velocity then also contains the derivative of the field along Γ3
+            (``TravellingField``), and quadrature is not graded towards the front.
     """
     body, law = unit_square(), proportional(2.0)
     (part,) = body.of(Kind.CONTACT)
@@ -104,21 +108,24 @@ def natural_motion(place: Expr = MOVING_FRONT) -> Case:
 
         w = θ (κ + 1) (x − c)_+^{3/2},   p = 3 (2μ_A ∂_t + 2μ_G)(θ (c − x)_+^{1/2}),   ψ = c − x,   c(t) = 1/4 + 2t/5,
 
-    with θ(t) = 1/4 + t, on the bottom of the unit square. The elasticity is G = 2A. The displacement is the singular
-    field of ``natural_front``, which moves with the front. Its derivative ∂_x also satisfies Div σ = 0 and the
-    contact conditions on both sides of the front. So u̇ ~ r^{1/2} and
+    with θ(t) = 1/4 + t, on the bottom of the unit square. A natural front is one as it forms if the loads are smooth:
+    the gap behaves like r^{3/2} at the distance r from it. The elasticity is G = 2A. μ_A and μ_G are the shear moduli
+    of A and G, and κ is Kolosov's constant, the same for both. The displacement is the singular field of
+    ``natural_front``, which moves with the front. Its derivative ∂_x also satisfies Div σ = 0 and the contact
+    conditions on both sides of the front. So u̇ ~ r^{1/2} and
 
         p = 3μ_A θ ċ (c − x)_+^{−1/2} + 6 (μ_A θ̇ + μ_G θ) (c − x)_+^{1/2}.
 
     p is not bounded, and for ċ < 0 it would be negative. The body force f_0 is due to the cut-off only. Near the front
-    f_0 ~ r^{1/2} and ḟ_0 ~ r^{−1/2}, and the tractions f_2 are smooth, so (3.4) holds as it is printed.
+    f_0 ~ r^{1/2} and ḟ_0 ~ r^{−1/2}, and the tractions f_2 are smooth, so (3.4) holds, f_0 ∈ W^{1,1}(0,T;H).
 
     Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so that the interpolation error of u has order 1. But u̇(t) ∈ H^{1+s}
-    for s < 1/2 only, and p ∉ L²(Γ3). This violates both parts of (5.36), and the proof of Prop. 5.4 gives the order 1/2
-    only. The predicted order is higher for the following reason. The velocity error ‖u̇ − Π^h u̇‖_V ~ h^{1/2} comes
-    from the cells at the front. The front passes a cell in a time ~ h, so the error that remains in this cell is
-    ~ h^{3/2}. If the errors of the h^{−1} cells that the front passes are independent, the norm of all of them is ~ h,
-    like the interpolation error. After this prediction, the order 1 up to a logarithm was proved in paper/fronts.tex.
+    for s < 1/2 only, and p ∉ L²(Γ3). Both parts of (5.36) are violated, u ∈ W^{1,2}(0,T;H²) by u̇ and u_ν ∈
+    L¹(0,T;H²(Γ3)) by the gap, and the proof of Prop. 5.4 gives the order 1/2 only. The predicted order is higher for
+    the following reason. The velocity error ‖u̇ − Π^h u̇‖_V ~ h^{1/2} comes from the cells at the front. The front
+    passes a cell in a time ~ h, so the error that remains in this cell is ~ h^{3/2}. If the errors of the h^{−1} cells
+    that the front passes are independent, the norm of all of them is ~ h, like the interpolation error. After this
+    prediction, the order 1 up to a logarithm was proved in paper/fronts.tex.
 
     Args:
         place: the formula of the position c(t) of the front, with 0 < c < 1. By default it is 1/4 + 2t/5. If the front

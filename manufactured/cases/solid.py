@@ -25,7 +25,8 @@ def cube_disc() -> Case:
 
     Predicted order 1: the front moves. The exponents of gap and pressure across the circle, α = 5 > 7/2 and m = 3 >
     3/2, give (5.36), so that Prop. 5.4 applies; its proof also holds in 3D. The exponents also satisfy α > 9/2 and m >
-    5/2, so (3.4) holds as it is printed.
+    5/2, so that even (3.4) holds, with f_0 ∈ W^{1,1}(0,T;H); the paper uses only its consequence (3.8), f ∈
+    W^{1,1}(0,T;V).
     """
     level = (
         Rational(1, 10) + Rational(3, 5) * t * (1 - t) - (s1 - Rational(2, 5) - t / 5) ** 2 - (s2 - Rational(1, 2)) ** 2

@@ -193,11 +193,12 @@ def rules(solution: ExactSolution, mesh: Mesh, degree: int, aligned: bool = Fals
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
-    """Return for at most two contact faces in 2D the line perpendicular to the face at its first corner.
+    """Return the lines that are perpendicular to a contact face at its first corner, for at most two faces in 2D.
 
-    The distance of a point from such a line is the coordinate s of the point along the face. ``ErrorNorm`` aligns
-    quadrature points such that few different values of s occur. In 3D, and if no face of the solution is a
-    ``ContactFace``, the list is empty.
+    The faces are the first ``ContactFace`` of the solution and the next one that is not parallel to it. The distance of
+    a point from such a line is the coordinate s of the point along the face. ``ErrorNorm`` aligns quadrature points
+    such that few different values of s occur. In 3D, and if no face of the solution is a ``ContactFace``, the list is
+    empty.
     """
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []

@@ -109,7 +109,10 @@ class LeadingTerm:
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))[..., None]
 
     def largest(self) -> float:
-        """Return the maximum of the leading term over ``LEADING_TERM_STEPS`` + 1 equidistant times in [0, T]."""
+        """Return the maximum over time of the leading term of ‖u − Π^h u‖_V.
+
+        It is searched at ``LEADING_TERM_STEPS`` + 1 equidistant times in [0, T].
+        """
         times = np.linspace(0.0, self.T, LEADING_TERM_STEPS + 1)
         return float(np.concatenate([*map(self, blocks(times, self.slopes.size))]).max())
 

@@ -43,13 +43,14 @@ class MeshFamily(ABC):
 
     Attributes:
         meshes: a description of the meshes in a few words, for the documentation.
-        least_angle: a lower bound in degrees for the angles of all cells, on the plane bodies of the catalogue, some of
-            which are sheared such that angles of 45° become 27°.
+        least_angle: a lower bound in degrees for the angles of all cells, on all plane bodies of the catalogue. Some of
+            these are sheared, so that it is less than on a square.
         density: the number of cells of a plane mesh, divided by the number of cells of the one-diagonal mesh of the
             same level. Estimates of time and memory use it.
         uniform: whether all cells of a mesh have about the same size.
-        irregular: whether the cells of one level are not scaled copies of the cells of another level. Orders are then
-            observed in the leading term of the interpolation error instead of h.
+        irregular: whether the cells of one level are not scaled copies of the cells of another level. The observed
+            order of an error e is then the slope of log e against log l instead of log h, where l is the leading term
+            of the interpolation error.
         random: whether vertices are moved at random, such that single orders depend on chance.
         superclose: whether ‖Π^h u − u^h‖ has a higher order than ‖u − u^h‖, because neighbouring triangles form
             parallelograms.
@@ -342,7 +343,11 @@ def kuhn(n: int, dim: int) -> Array:
 
 @lru_cache
 def has_grids(body: Body) -> bool:
-    """Return whether a grid on the unit cube can be mapped onto a body such that interfaces lie on grid lines."""
+    """Return whether a grid on the unit cube can be mapped onto a body such that interfaces are lines of constant x_i.
+
+    x_i is a coordinate of the cube. If the interface is at x_i = a, it consists of edges of the grid with n cells along
+    a side only if n a is an integer; ``boundary_parts`` refuses the mesh for other n.
+    """
     images = _images(body)
     return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
 

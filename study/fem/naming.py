@@ -221,7 +221,11 @@ def _none_named(file: str, name: str, module: ModuleType) -> str:
 
 
 def describe(case: Case) -> Json:
-    """Return the row of ``cases.csv`` for a case, as a dictionary: name of the column ↦ value."""
+    """Return the row for a case in ``cases.csv``, the list of the cases of a study, as a dict: column ↦ value.
+
+    The columns are the name, summary, dimension and law of the case, the motion of its contact zone, its regularity,
+    the predicted and the proved order, its twin, the statements of the paper that apply, and the reason for the order.
+    """
     motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
     return {
         "case": case.name,

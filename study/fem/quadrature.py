@@ -248,7 +248,7 @@ class Line:
 
     @property
     def tangent(self) -> Array:
-        """The unit vector along the line, (2,)."""
+        """The unit vector along the line, (2,): the vector ``direction`` rotated by +90°, counter-clockwise."""
         return np.array([-self.direction[1], self.direction[0]])
 
     def __str__(self) -> str:
@@ -351,8 +351,9 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
     """Yield quadrature rules for the cells that contact fronts cross; the cells are cut along the fronts.
 
-    If two parallel fronts meet a cell, it is cut along both. If fronts of different directions meet a cell, it is cut
-    only along the fronts of the first direction.
+    A cell is cut along all parallel fronts that meet it. If fronts of different directions meet a cell, it is cut only
+    along those whose direction comes first in ``fronts``, and the rule is less accurate for integrands that are not
+    smooth across the others.
 
     Args:
         mesh: a mesh in 2D.
@@ -485,9 +486,11 @@ def shared(
 
     The reason is run time: formulas of an exact solution in (s, t) are expensive, where s is the distance to a line and
     t the time, and on an unstructured mesh all quadrature points have different s. So each point is moved to the
-    nearest of the lines s = jδ with integers j, where δ is a power of two and 16 to 32 times smaller than the cell
-    (twice that ratio with two lines). The weights are then changed as little as possible so that the rule is exact for
-    polynomials of the highest degree that this number of weights permits, which is 2 for six points.
+    nearest of the lines s = jδ with integers j. It is moved perpendicularly to the line or, if there are two lines,
+    along the other one. δ is the power of two with H/32 < δ ≤ H/16, or H/64 < δ ≤ H/32 if there are two lines, where H
+    is the largest change of s within the cell in this direction; it is smaller if the rule has points very close to the
+    edges. The weights are then changed as little as possible so that the rule is exact for polynomials of the highest
+    degree that this number of weights permits, which is 2 for six points.
 
     Args:
         corners: the vertices of the triangles, (2, 3, n).
@@ -610,7 +613,11 @@ class QuadraturePoints:
 
     @classmethod
     def on_cells(cls, rules: Sequence[CellRule]) -> QuadraturePoints:
-        """Return the points of quadrature rules that together cover every cell once, with one sum for each cell."""
+        """Return the points of quadrature rules that together cover every cell once.
+
+        The weighted values at the points of a cell are added up to one sum, the integral over this cell. The sums are
+        numbered like the cells.
+        """
         return cls(
             np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
@@ -718,8 +725,8 @@ class StrainSums:
 class StressSums:
     """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u) at n times, (D, sums, n).
 
-    A call needs the amplitudes of the strain ε(u), then those of its rate ε(u̇), at these times, as ``amplitudes_of``
-    returns them.
+    A and G may contain scalar factors that depend on the point; each has its own factor. A call needs the amplitudes of
+    the strain ε(u), then those of its rate ε(u̇), at these times, as ``amplitudes_of`` returns them.
 
     Args:
         law: the material law, with A and G.
@@ -727,8 +734,9 @@ class StressSums:
         points: the points x_p with their quadrature weights w_p and the sums to which they contribute.
 
     Attributes:
-        viscous: the sums Σ w_p α of the material factor α of A, (sums,).
-        strains: computes the sums Σ w_p α ε(x_p, t) of the strain from its amplitudes, with the same α.
+        viscous: the sums Σ w_p α(x_p) of the factor α of A, (sums,).
+        strains: computes the sums Σ w_p α(x_p) ε(x_p, t) of the strain from its amplitudes, also with the factor of A.
+            Divided by ``viscous`` they are the weighted means of the strain.
     """
 
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
