@@ -159,7 +159,7 @@ class SemiDiscrete:
         M: the matrix of the viscosity A, which is the inner product (·,·)_V on V^h, (n, n).
         reference: the matrix G_ref of the elasticity, (n, n); for a nonlinear law it belongs to a constant reference
             tensor.
-        remainder: the function v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,) → (n,); None for a linear law.
+        remainder: the function v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,) → (n,); None for a law of the class ``Linear``.
         N: the constraint matrix, (m, n): displacements with N v ≤ g are admissible.
         load: the function from k times t to the load vectors F(t), (k,) → (n, k).
         u0: the initial value u_0^h ∈ K^h, (n,).
