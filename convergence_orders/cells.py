@@ -88,7 +88,10 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
 
 
 def without_words(cell: str) -> str:
-    """Return a cell without the unit or the word behind its number, such as 5 for ``5 mm``; not for ``5 failed``."""
+    """Return a cell without the unit or the word behind its number, such as 5 for ``5 mm``.
+
+    Cells whose word begins with fail, div or no, such as ``5 failed``, are returned unchanged.
+    """
     found = _BEFORE_WORDS.fullmatch(cell) if len(cell) < 100 else None
     return found[1] if found else cell
 

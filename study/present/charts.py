@@ -197,7 +197,13 @@ ROOM_BELOW = 0.15
 
 
 def last_orders(rates: DataFrame) -> tuple[list[float], list[float]]:
-    """Return the observed orders over the last refinement in two lists: graded meshes are in the second list."""
+    """Return the observed orders over the last refinement, one for each mesh family, in two lists.
+
+    The second list has the order on graded meshes, if there is one.
+
+    Parameters:
+        rates: rows of ``rates.csv`` of one case.
+    """
     by_name = finest_orders(rates, refinements=1)
     graded = [by_name.pop("graded")] if "graded" in by_name else []
     return list(by_name.values()), graded

@@ -174,7 +174,11 @@ def stresses(directory: Path) -> Table:
 
 
 def bounds(directory: Path) -> Table:
-    """Return the table of error bounds and their ratios to the error."""
+    """Return the table of error bounds and their ratios to the error, a row for each case and mesh.
+
+    Parameters:
+        directory: the result directory, which has ``data/bounds.csv``.
+    """
     return Table.of("bounds", _read(directory, "bounds"))
 
 

@@ -312,7 +312,10 @@ UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
 class BoundedError(Bounds):
-    """Judges the upper bound of the error that is computed from the displacement u_h alone."""
+    """Checks that the upper bound of the error, computed from the displacement u_h alone, is never below the error.
+
+    The quotient bound / error is reported, and no size of it is claimed.
+    """
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"
