@@ -87,10 +87,10 @@ def measured(texts: dict[str, str]) -> dict[str, float]:
         texts: path relative to the root ↦ text, for all Python files and all files with the suffixes `WEB`.
     """
     weights = dict.fromkeys(("product", "tests", "rest", "files", "web_lines"), 0.0)
-    expressions, lines, meanings = (Counter[str]() for _ in range(3))
+    expressions, lines, meanings = Counter(), Counter(), Counter()
     for path, text in texts.items():
         if path.endswith(WEB):
-            weights["web_lines"] += text.count("\n")
+            weights["web_lines"] += len(text.splitlines())
             continue
         weight = weigh(text)
         weights[part(path)] += weight.expressions
@@ -101,7 +101,7 @@ def measured(texts: dict[str, str]) -> dict[str, float]:
             expressions[room(path)] += weight.expressions
             lines[room(path)] += weight.lines
     repeated = sorted(name for name, count in meanings.items() if count > 1)
-    print(*repeated)
+    print("upper-case names that several modules define:", *repeated)
     weights["repeated_constants"] = len(repeated)
     for name in sorted(expressions):
         density = expressions[name] / max(lines[name], 1)

@@ -235,8 +235,8 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
         UsageError: there are no data, or the file of a user's case no longer exists.
     """
     record = read_provenance(directory)
-    jobs = recorded_plan(record, directory).jobs
-    return tuple(job for job in jobs if job.identity in set(record["planned"]))
+    planned = set(record["planned"])
+    return tuple(job for job in recorded_plan(record, directory).jobs if job.identity in planned)
 
 
 def draw_jobs(jobs: Jobs, count: int, seed: int) -> list[Job]:

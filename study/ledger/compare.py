@@ -3,10 +3,11 @@
 import csv
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from json import loads
-from math import inf, isnan
+from math import inf, isclose, isnan
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -237,7 +238,7 @@ ROUNDED_RTOL = 1e-6
 """Relative difference up to which numbers in some columns count as equal. Iterations stop at slightly different values
 on different machines."""
 SHOWN_TEXT = 60
-"""Largest number of characters of a differing text that a message shows, around the first difference."""
+"""Largest number of characters of a differing text that a message shows."""
 
 
 def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -> str | None:
@@ -252,19 +253,28 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
         A message with line, column, the text in the file and the expected text.
     """
     lines = path.read_text(encoding="utf-8", errors="replace").split("\n"), expected.split("\n")
-    head = next(csv.reader(lines[1])) if path.suffix == ".csv" else [""]
-    for number, pair in enumerate(zip_longest(*lines, fillvalue=""), start=1):
-        rows = (next(csv.reader([line]), []) if head[0] else [line] for line in pair)
-        for name, text, wanted in zip_longest(head, *rows, fillvalue=""):
-            if text == wanted or (name in close and _near(text, wanted)):
-                continue
-            first = next(i for i, (a, b) in enumerate(zip_longest(text, wanted)) if a != b)
-            shown = slice(max(0, first - SHOWN_TEXT // 2), first + SHOWN_TEXT // 2)
-            where = f"{path}, line {number}" + (f", column {name}" if name else "")
-            return f"{where}: found {text[shown]!r}, expected {wanted[shown]!r}"
+    head = next(csv.reader(lines[1])) if path.suffix == ".csv" else []
+    for number, pair in enumerate(zip_longest(*lines), start=1):
+        rows = (next(csv.reader([line]), []) for line in pair)
+        cells = zip_longest(head, *rows) if head and None not in pair else [("", *pair)]
+        for name, text, wanted in cells:
+            if text != wanted and not (name in close and _near(text, wanted)):
+                column = f", column {name}" if name else ""
+                return f"{path}, line {number}{column}: found {_shown(text, wanted)}, expected {_shown(wanted, text)}"
     return None
 
 
-def _near(a: str, b: str) -> bool:
-    first, second = pd.to_numeric(Series([a, b]), errors="coerce")
-    return bool(np.isclose(first, second, rtol=ROUNDED_RTOL, atol=1e-12))
+def _near(a: str | None, b: str | None) -> bool:
+    with suppress(ValueError):
+        return isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
+    return False
+
+
+def _shown(text: str | None, other: str | None) -> str:
+    """Return a text in quotation marks, cut to the part around its first difference from another; None is "nothing"."""
+    if text is None:
+        return "nothing"
+    same = next((i for i in range(len(text)) if text[i] != (other or "")[i : i + 1]), len(text))
+    start = max(0, same - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
+    end = start + SHOWN_TEXT
+    return f"{'…' * (start > 0)}{text[start:end]!r}{'…' * (end < len(text))}"

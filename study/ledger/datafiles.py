@@ -253,7 +253,7 @@ class CsvFile:
         known = {*self.columns, "steps"}
         unknown = set().union(*rows) - known
         if unknown:
-            raise KeyError(f"{self.name}: describe {', '.join(unknown)} in study/ledger/schema.py")
+            raise KeyError(f"{self.name}: describe {', '.join(sorted(unknown))} in study/ledger/schema.py")
         return [write_csv(data / self.name, self.derive(DataFrame(rows, columns=self.columns)))]
 
     def read(self, directory: Path) -> DataFrame:

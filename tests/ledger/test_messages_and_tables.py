@@ -132,7 +132,10 @@ def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_
     assert difference(path, "name,x\na,1\nb,\n", close) == f"{path}, line 3, column x: found '2', expected ''"
     path.write_text("name,x\n" + 100 * "a" + "b,2\n", encoding="utf-8")
     said = difference(path, "name,x\n" + 100 * "a" + "c,2\n", close)
-    assert said == f"{path}, line 2, column name: found '{30 * 'a'}b', expected '{30 * 'a'}c'"
+    assert said == f"{path}, line 2, column name: found …'{30 * 'a'}b', expected …'{30 * 'a'}c'"
+    for left in ("name,x\na,1", "name,x\na,1\n\n", "name,x\na\n"):
+        path.write_text(left, encoding="utf-8")
+        assert "nothing" in difference(path, "name,x\na,1\n", close)
 
 
 # Observed orders, rounded bounds, and numbers of the paper.
