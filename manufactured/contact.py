@@ -36,84 +36,87 @@ import sympy as sp
 from manufactured.arguments import Size, checked
 from manufactured.body import Part
 from manufactured.compiled import Jet
-from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, StrainAtPoints, relaxation_rate
+from manufactured.face_strain import Coupled, FaceStrain, Memory, StrainAtPoints, relaxation_rate
 from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric, face_moduli
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
-# The strain of the displacement of a contact face, as a sum of terms.
+# The displacement of a contact face and its strain, as sums of terms.
 #
 # Each term is a derivative of w, q, r or z along the face times a function of the depth y. If there is an initial gap
 # g, w − g replaces w.
 
-COMBINATIONS: dict[str, tuple[tuple[str, int], ...]] = {
-    **{name: ((name, 0),) for name in "abcdef"},
-    **{f"{name}'": ((name, 1),) for name in "bcdf"},
-    "a'+b": (("a", 1), ("b", 0)),
-    "e'+d": (("e", 1), ("d", 0)),
-}
-"""For each function of the depth y that occurs in strains: the profile functions whose sum it is.
 
-The profile functions a, …, f are attributes of ``Profile``. Each is given by its name and the order of its derivative.
+Shape = tuple[tuple[str, int], ...]
+"""A function of the depth y: a sum of functions of ``Profile`` or their derivatives.
+
+Each is given by its name and the order of its derivative, such as (("a", 1), ("b", 0)) for a' + b.
 """
 
 
-class StrainTerm(NamedTuple):
-    """One term of a component of the strain ε(u) of a displacement that is made from the data of a contact face.
+class Term(NamedTuple):
+    """One term of a component of a displacement u that is made from the data of a contact face, or of its strain ε(u).
 
     On the face there are the normal displacement u_n = w − g (gap w, initial gap g), the normal strain q, the shear
     strain r and the slip z; y is the distance into the body. The term is the product of a number, a derivative along
     the face of u_n, q, r or z, and a function of y.
 
     Attributes:
-        row: the row of the component in the Mandel vector of the strain, in the axes (s, n) of the face.
-        factor: the number, which contains √2 or √½ for off-diagonal components.
+        row: the number of the component of u, or of the Mandel vector of ε(u), in the axes (s, n) of the face.
+        factor: the number, √½ for off-diagonal components of ε(u), otherwise 1.
         source: the number of the function that is differentiated: 0 for u_n, 1 for q, and from 2 on the components of
             r, if there is shear, and then of z.
         along: the multi-index of the derivative along the face.
-        profile: the name of the function of y, such as "a", "b'" or "a'+b": a function of ``Profile``, a derivative of
-            it, or a sum of both (``COMBINATIONS`` lists all).
+        shape: the function of y.
     """
 
     row: int
     factor: float
     source: int
     along: tuple[int, ...]
-    profile: str
+    shape: Shape
 
 
 @lru_cache
-def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[StrainTerm, ...]:
-    """Return all terms of the strain of a displacement that is made from the data of a contact face.
-
-    The terms contain the normal displacement u_n, the normal strain q, the shear strain r and the slip z on the face,
-    and the functions of the depth in ``Profile``.
+def displacement_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[Term, ...]:
+    """Return all terms of a displacement that is made from the data of a contact face, by the formula of ``Profile``.
 
     Args:
         n: the number of coordinates along the face, 1 or 2.
-        deep: whether the profile has a function e, so that the strain contains second derivatives of q.
+        deep: whether the profile has a function e, so that the displacement contains first derivatives of q.
         tangential: the names of the profile functions of those tangential fields that are not zero: "c" for r, "f" for
             z. Each field has n components.
     """
     zero, first = first_indices(n)
-    fields = [(2 + n * number, profile) for number, profile in enumerate(tangential)]
-    found = []
+    sources = ((0, "a"), (1, "e")) if deep else ((0, "a"),)
+    terms = [(i, source, first[i], name) for i in range(n) for source, name in sources]
+    terms += [(i, 2 + n * number + i, zero, name) for i in range(n) for number, name in enumerate(tangential)]
+    terms += [(n, 0, zero, "b"), (n, 1, zero, "d")]
+    return tuple(Term(row, 1.0, source, along, ((name, 0),)) for row, source, along, name in terms)
+
+
+@lru_cache
+def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[Term, ...]:
+    """Return all terms of the strain of the displacement that ``displacement_terms`` returns for the same arguments.
+
+    Terms of a component with the same derivative along the face are one term.
+    """
+    _, first = first_indices(n)
+    shapes: dict[tuple[int, float, int, tuple[int, ...]], Shape] = {}
     for row, (i, j) in enumerate(pairs(n + 1)):
-        if i == j == n:
-            found += [StrainTerm(row, 1.0, 0, zero, "b'"), StrainTerm(row, 1.0, 1, zero, "d'")]
-        elif j == n:
-            half = math.sqrt(0.5)
-            found += [StrainTerm(row, half, 0, first[i], "a'+b"), StrainTerm(row, half, 1, first[i], "e'+d")]
-            found += [StrainTerm(row, half, start + i, zero, f"{profile}'") for start, profile in fields]
-        else:
-            factor = 1.0 if i == j else math.sqrt(2.0)
-            found += [StrainTerm(row, factor, 0, plus(first[i], first[j]), "a")]
-            found += [StrainTerm(row, factor, 1, plus(first[i], first[j]), "e")] * deep
-            for start, profile in fields:
-                found += [StrainTerm(row, factor / 2, start + k, first[m], profile) for k, m in ((i, j), (j, i))]
-    return tuple(found)
+        factor = 1.0 if i == j else math.sqrt(0.5)
+        # ε_ij contains ∂_j u_i and ∂_i u_j, the same derivative if i = j. The last axis points into the body.
+        for component, axis in {(i, j), (j, i)}:
+            for term in displacement_terms(n, deep, tangential):
+                if term.row == component:
+                    into = int(axis == n)
+                    along = term.along if into else plus(term.along, first[axis])
+                    key = row, factor, term.source, along
+                    ((name, _),) = term.shape
+                    shapes[key] = (*shapes.get(key, ()), (name, into))
+    return tuple(Term(*key, shape) for key, shape in shapes.items())
 
 
 def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
@@ -441,7 +444,7 @@ class ContactFace(Face):
 Trace = tuple[int, Index]
 """A derivative along the contact face of the gap, the normal or shear strain, or the slip on the face.
 
-It is a pair of the number of the function (``StrainTerm.source``) and the multi-index of the derivative.
+It is a pair of the number of the function (``Term.source``) and the multi-index of the derivative.
 """
 
 
@@ -449,19 +452,20 @@ It is a pair of the number of the function (``StrainTerm.source``) and the multi
 class _Traces:
     """Evaluates the displacement u_n, the strain (q, r) and the slip z on a face at fixed points.
 
-    A call returns the derivatives of u_n along the face up to the order ``order`` + 1, and the derivatives of q, r and
-    z up to ``order``. If ``rate`` is true, it returns these derivatives of the time derivatives.
+    A call returns u_n, q, the components of r if there is shear, and the components of z, in the order of
+    ``Term.source``. Each has its derivatives along the face: u_n up to the order ``order`` + 1, the others up to
+    ``order``. If ``rate`` is true, it returns these derivatives of the time derivatives.
     """
 
     face: ContactFace
     s: Array
     strain: StrainAtPoints
 
-    def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
+    def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, ...]:
         jets = self.face.rate_jets if rate else self.face.jets
         places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
         u_n, *slip = (jet(places, time, order + 1) for jet in jets)
-        return u_n, (*self.strain(time, rate, order), *slip)
+        return u_n, *self.strain(time, rate, order), *slip
 
 
 class Lifting:
@@ -484,17 +488,19 @@ class Lifting:
             places, self.y = places[:, self.reach], self.y[self.reach]
         self.s, self.where = distinct(places)
         self.on_face = _Traces(face, self.s, face.strain.at(self.s))
-        self._functions: dict[tuple[str, int], Array] = {}
+        kinds = len(self.s), self.deep, face.tangential
+        self.displacement_terms, self.strain_terms = displacement_terms(*kinds), strain_terms(*kinds)
+        self._shapes: dict[tuple[Shape, int], Array] = {}
 
-    def _profile(self, name: str, derivative: int) -> Array:
-        """Return a derivative in y of a profile function (a name in ``COMBINATIONS``) at the points, cached."""
-        if (name, derivative) not in self._functions:
-            self._functions[name, derivative] = sum(
-                getattr(self.face.profile, f)(self.y, derivative + k) for f, k in COMBINATIONS[name]
+    def shape(self, shape: Shape, derivative: int) -> Array:
+        """Return a derivative in y of a sum of profile functions (``Term.shape``) at the points, cached."""
+        if (shape, derivative) not in self._shapes:
+            self._shapes[shape, derivative] = sum(
+                getattr(self.face.profile, name)(self.y, derivative + order) for name, order in shape
             )
-        return self._functions[name, derivative]
+        return self._shapes[shape, derivative]
 
-    def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
+    def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, ...]:
         """Return the data of the contact face at the coordinates s of every point, with derivatives along the face.
 
         The data are the normal displacement u_n, with derivatives up to ``order`` + 1, and the normal strain q, shear
@@ -506,30 +512,19 @@ class Lifting:
             order: the highest order of the derivatives of q, r and z along the face.
 
         Returns:
-            u_n, and the tuple of q, the components of r if there is shear, and the components of z. Each is a dict from
-            multi-indices of derivatives to values at the points.
+            u_n, q, the components of r if there is shear, and the components of z. Each is a dict from multi-indices of
+            derivatives to values at the points.
         """
-        w, strain = self.on_face(time, rate, order)
-        return self._spread(w), tuple(self._spread(values) for values in strain)
-
-    def _spread(self, values: Values) -> Values:
-        return values if self.where is None else {index: v[self.where] for index, v in values.items()}
+        traces = self.on_face(time, rate, order)
+        if self.where is None:
+            return traces
+        return tuple({index: values[self.where] for index, values in trace.items()} for trace in traces)
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, in global axes, (d, ...)."""
-        deep = self.deep
-        w, (q, *others) = self.traces(time, rate, int(deep))
-        zero, first = first_indices(len(self.s))
-        local = []
-        for i, index in enumerate(first):
-            component = w[index] * self._shape("a", 0, time)
-            if deep:
-                component = component + q[index] * self._shape("e", 0, time)
-            for values, name in zip(others[i :: len(first)], self.face.tangential, strict=True):
-                component = component + values[zero] * self._shape(name, 0, time)
-            local.append(component)
-        local.append(w[zero] * self._shape("b", 0, time) + q[zero] * self._shape("d", 0, time))
-        return self._everywhere(mapped(self.frame, np.array(local)), 1)
+        traces = self.traces(time, rate, int(self.deep))
+        local = self._local(self.displacement_terms, traces, (0,) * len(self.s), 0, time)
+        return self._everywhere(mapped(self.frame, local), 1)
 
     def _everywhere(self, values: Array, inner: int) -> Array:
         """Return values at all points: the given values within the depth of the profile, and 0 at deeper points.
@@ -545,8 +540,8 @@ class Lifting:
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, in global axes, as Mandel vectors (D, ...)."""
-        w, strain = self.traces(time, rate, 1 + self.deep)
-        local = self._local(w, strain, (0,) * len(self.s), 0, time)
+        traces = self.traces(time, rate, 1 + self.deep)
+        local = self._local(self.strain_terms, traces, (0,) * len(self.s), 0, time)
         return self._everywhere(local if self.rotation is None else mapped(self.rotation, local), 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
@@ -554,10 +549,10 @@ class Lifting:
 
         At fronts they may not exist; one-sided values are returned there.
         """
-        w, strain = self.traces(time, rate, 2 + self.deep)
+        traces = self.traces(time, rate, 2 + self.deep)
         zero, first = first_indices(len(self.s))
         places = [(i, 0) for i in first] + [(zero, 1)]
-        local = np.array([self._local(w, strain, along, into, time) for along, into in places])
+        local = np.array([self._local(self.strain_terms, traces, along, into, time) for along, into in places])
         if self.rotation is not None:
             local = (self.rotation @ local.reshape(*local.shape[:2], -1)).reshape(local.shape)
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
@@ -568,9 +563,10 @@ class Lifting:
         s is the coordinate of the point along the face.
         """
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
-        tensors = np.array([axes[:, term.row] for term in self.terms])
-        shapes = np.array([term.factor * self._profile(term.profile, 0).ravel() for term in self.terms])
-        return self.products(tensors, shapes, [(term.source, term.along) for term in self.terms], 1 + self.deep)
+        terms = self.strain_terms
+        tensors = np.array([axes[:, term.row] for term in terms])
+        shapes = np.array([term.factor * self.shape(term.shape, 0).ravel() for term in terms])
+        return self.products(tensors, shapes, [(term.source, term.along) for term in terms], 1 + self.deep)
 
     def products(self, tensors: Array, shapes: Array, traces: Sequence[Trace], order: int) -> Modes:
         """Return a sum of K products of a constant tensor, a function of the point, and a function of (s, t).
@@ -581,7 +577,7 @@ class Lifting:
         Args:
             tensors: the K constant tensors, (K, D), or vectors, (K, d).
             shapes: the K functions of the point, at the n points within the depth of the profile, (K, n).
-            traces: the K derivatives, each as a pair: the number of the function (``StrainTerm.source``), and the
+            traces: the K derivatives, each as a pair: the number of the function (``Term.source``), and the
                 multi-index of its derivative.
             order: the highest order of the derivatives of q, r and z.
         """
@@ -590,8 +586,8 @@ class Lifting:
         on_face, count = self.on_face, self.s[0].size
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
-            w, strain = on_face(time, rate, order)
-            found = np.array([(w, *strain)[source][along] for source, along in traces])
+            data = on_face(time, rate, order)
+            found = np.array([data[source][along] for source, along in traces])
             return found.reshape(len(traces), count, *np.shape(time))
 
         places = np.arange(self.y.size) if self.where is None else self.where.ravel()
@@ -605,21 +601,18 @@ class Lifting:
         """
         return self.face.profile.e is not ZERO
 
-    @property
-    def terms(self) -> tuple[StrainTerm, ...]:
-        """All terms of the strain of the displacement field (see ``StrainTerm``)."""
-        return strain_terms(len(self.s), self.deep, self.face.tangential)
-
-    def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:
-        """Return the derivative ∂_s^along ∂_y^into of the strain in the axes (s, n) of the face; ``into`` is 0 or 1."""
-        n, traces = len(self.s), (w, *strain)
-        dtype = np.result_type(w[along], strain[0][along], self.y)
-        components = np.empty((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
+    def _local(
+        self, terms: tuple[Term, ...], traces: tuple[Values, ...], along: Index, into: int, time: Array | complex
+    ) -> Array:
+        """Return the derivative ∂_s^along ∂_y^into of a sum of terms in the axes (s, n) of the face; ``into`` ≤ 1."""
+        dtype = np.result_type(traces[0][along], traces[1][along], self.y)
+        components = np.empty((1 + terms[-1].row, *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
-        for term in self.terms:
-            trace, shape = traces[term.source][plus(term.along, along)], self._shape(term.profile, into, time)
+        for term in terms:
+            shape = self.shape(term.shape, into).reshape(*self.y.shape, *(1,) * np.ndim(time))
             # The first term of each row initialises the row, so the array need not be filled with zeros.
             first = term.row not in begun
+            trace = traces[term.source][plus(term.along, along)]
             part = np.multiply(trace, shape, out=components[term.row] if first else None)
             if term.factor != 1:
                 part *= term.factor
@@ -627,10 +620,6 @@ class Lifting:
                 components[term.row] += part
             begun.add(term.row)
         return components
-
-    def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:
-        """Return the result of ``_profile``, with an additional axis if there are several times."""
-        return self._profile(name, derivative).reshape(*self.y.shape, *(1,) * np.ndim(time))
 
 
 def _require_components(slip: tuple[sp.Expr, ...], variables: tuple[sp.Symbol, ...]) -> None:

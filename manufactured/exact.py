@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections import defaultdict
+from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import methodcaller
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +15,6 @@ from manufactured.arguments import checked
 from manufactured.body import Body, BodyError, Kind, Part
 from manufactured.compiled import Jet
 from manufactured.contact import (
-    COMBINATIONS,
     ContactFace,
     Contribution,
     ContributionAtPoints,
@@ -151,39 +152,6 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
     return pointwise(force, dim, count)
 
 
-@dataclass
-class _Fields:
-    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q, r and z along the face.
-
-    The field of a derivative (``Trace``) is the force if this derivative is 1 and all others are 0.
-    """
-
-    of: Scaled
-    reach: Array
-    found: dict[Trace, Array] = field(default_factory=dict)
-
-    def add(self, trace: Trace, vector: Array, values: Array) -> None:
-        """Add the vector field −v(x) f(x) to the field of a derivative of w, q, r or z.
-
-        Args:
-            trace: the derivative.
-            vector: v, (d,) or (d, n).
-            values: the scalar f at the points, (n,).
-        """
-        product = -(vector if vector.ndim == 2 else vector[:, None]) * values
-        self.found[trace] = self.found.get(trace, 0.0) + product
-
-    @property
-    def factor(self) -> Array | float:
-        """The material factor α at the points within the depth of the displacement, (n,)."""
-        return self.of.factor if isinstance(self.of.factor, float) else self.of.factor[self.reach]
-
-    @property
-    def slopes(self) -> Array | None:
-        """The derivatives ∂_j α of the material factor at the points within the depth of the displacement, (d, n)."""
-        return None if self.of.slopes is None else self.of.slopes[:, self.reach]
-
-
 def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
     """Return the force of a contact face as a sum of products.
 
@@ -198,22 +166,24 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
 
 
 def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
-    """Return the force fields of all derivatives of w, q, r and z, at the points that the displacement reaches."""
-    profile, frame, y = lifting.face.profile, lifting.frame, lifting.y.ravel()
+    """Return the force fields −Div(α C ε) that belong to single derivatives of w, q, r and z along the face.
+
+    The field of a derivative is the force if this derivative is 1 and all others are 0. It is given at the n points
+    that the displacement reaches, (d, n).
+    """
+    frame, reach = lifting.frame, lifting.reach
     axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
-    fields = _Fields(of, lifting.reach)
-    for term in lifting.terms:
+    factor = of.factor if isinstance(of.factor, float) else of.factor[reach]
+    fields: defaultdict[Trace, Any] = defaultdict(float)
+    for term in lifting.strain_terms:
         stress = np.einsum("Iij,I->ij", basis(len(frame)), of.matrix @ axes[:, term.row])
-        value, slope = (
-            term.factor * sum(getattr(profile, f)(y, k + into) for f, k in COMBINATIONS[term.profile])
-            for into in range(2)
-        )
+        value, slope = (term.factor * lifting.shape(term.shape, into).ravel() for into in range(2))
         for unit, direction in zip(first, frame.T, strict=False):
-            fields.add((term.source, plus(term.along, unit)), stress @ direction, fields.factor * value)
-        fields.add((term.source, term.along), stress @ frame[:, -1], fields.factor * slope)
-        if fields.slopes is not None:
-            fields.add((term.source, term.along), stress @ fields.slopes, value)
-    return fields.found
+            fields[term.source, plus(term.along, unit)] -= np.multiply.outer(stress @ direction, factor * value)
+        fields[term.source, term.along] -= np.multiply.outer(stress @ frame[:, -1], factor * slope)
+        if of.slopes is not None:
+            fields[term.source, term.along] -= stress @ of.slopes[:, reach] * value
+    return fields
 
 
 # The class of exact solutions, and their fields at fixed points.
