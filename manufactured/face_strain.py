@@ -38,6 +38,7 @@ import sympy as sp
 from manufactured.arguments import Size, checked
 from manufactured.compiled import Jet, coefficients_in_t, function
 from manufactured.face_formula import SMOOTH
+from manufactured.gauss import composite_gauss
 from manufactured.symbols import SMALLEST, FormulaError, Function, Index, Symbols, Values, pos, s, t
 from manufactured.tensors import Array, Time
 
@@ -208,10 +209,8 @@ class Quadrature:
         Raises:
             FormulaError: the integrand P changes too fast in time for the quadrature rule.
         """
-        x, w = np.polynomial.legendre.leggauss(POINTS_OF_RULE)
         for pieces in GAUSS_PIECES:
-            starts = np.arange(pieces)[:, None]
-            nodes, weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
+            nodes, weights = composite_gauss(np.linspace(0, 1, pieces + 1), POINTS_OF_RULE)
             found = _Gauss(self.jet, self.decay, nodes, weights, points, lower, order)
             off, size = found.defect(upper)
             # SMALLEST prevents a division by zero if all integrals are zero.

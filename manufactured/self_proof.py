@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,10 @@ import sympy as sp
 from manufactured.arguments import Count, Natural, checked
 from manufactured.body import Kind, Part
 from manufactured.exact import ExactSolution, Fields
+from manufactured.gauss import composite_gauss
 from manufactured.symbols import pos
 from manufactured.symbols import t as clock
-from manufactured.tensors import Array, Points, basis, mandel, traction
+from manufactured.tensors import Array, Points, Tensors, basis, mandel, traction
 
 # The result of checking one condition of the contact problem, and the error that lists all violated conditions.
 
@@ -164,6 +166,19 @@ def gradient(shifted: list[Fields], field: Callable[[Fields, Any], Array], time:
     return np.stack([field(fields, time).imag / STEP for fields in shifted], axis=1)
 
 
+def stress_by_step(solution: ExactSolution, x: Points, shifted: list[Fields], times: Array) -> Tensors:
+    """Return the stress Aε(u̇) + Gε(u), with strains from derivatives by the complex step, (D, points, times).
+
+    Args:
+        solution: the exact solution.
+        x: the points, (d, points).
+        shifted: the result of ``shifted_fields`` at the points.
+        times: the times, (times,).
+    """
+    rate, strain = (mandel(gradient(shifted, of, times)) for of in (Fields.velocity, Fields.displacement))
+    return solution.law.at(x[..., None]).stress(rate, strain)
+
+
 # Checks of the conditions inside the body: strain (2.10), velocity (2.6), law (2.1) and equilibrium (2.2).
 
 INTEGRATION = 1e-5
@@ -188,25 +203,21 @@ def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Find
         x: the points, (d, points).
         instants: the times, (times,).
     """
-    fields, shifted, at_points = solution.at(x), shifted_fields(solution, x), solution.law.at(x[..., None])
+    fields, shifted = solution.at(x), shifted_fields(solution, x)
 
     def found(of: Callable[[Array], Array]) -> Array:
         return at_times(of, instants, x.shape[1])
-
-    def law(t: Array) -> Array:
-        """Return the stress from derivatives of u by the complex step."""
-        rate, strain = (mandel(gradient(shifted, of, t)) for of in (Fields.velocity, Fields.displacement))
-        return at_points.stress(rate, strain)
 
     strain, rate, velocity, stress = map(found, (fields.strain, fields.strain_rate, fields.velocity, fields.stress))
     by_step = found(lambda t: mandel(gradient(shifted, Fields.displacement, t)))
     rate_by_step = found(lambda t: mandel(gradient(shifted, Fields.velocity, t)))
     velocity_by_step = found(lambda t: fields.displacement(t + 1j * STEP).imag / STEP)
+    stress_of_strains = found(partial(stress_by_step, solution, x, shifted))
     return [
         worst("(2.10) ε(u) = sym ∇u", x, instants, norms(strain - by_step), norms(strain)),
         worst("(2.10) ε(u̇) = sym ∇u̇", x, instants, norms(rate - rate_by_step), norms(rate)),
         worst("(2.6) u̇ = ∂u/∂t", x, instants, norms(velocity - velocity_by_step), norms(velocity)),
-        worst("(2.1) σ = Aε(u̇) + Gε(u)", x, instants, norms(stress - found(law)), norms(stress)),
+        worst("(2.1) σ = Aε(u̇) + Gε(u)", x, instants, norms(stress - stress_of_strains), norms(stress)),
     ]
 
 
@@ -228,17 +239,15 @@ def history(solution: ExactSolution, x: Points) -> Finding:
 def _history(solution: ExactSolution, x: Points, count: int) -> Finding:
     """Compare the change of u with the integral of u̇, for a number of panels in each eighth of [0, T]."""
     fields, T = solution.at(x), solution.body.T
-    nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.linspace(0, T, 9)
     u = at_times(fields.displacement, ends, x.shape[1])
     switches, defects = _switches(solution), []
-    for start, stop, before, after in zip(ends[:-1], ends[1:], u[:-1], u[1:], strict=True):
+    for (start, stop), (before, after) in zip(pairwise(ends), pairwise(u), strict=True):
         inner = [time for time in switches if start < time < stop]
         panels = np.unique([*np.linspace(start, stop, count + 1), *inner])
-        half = np.diff(panels)[:, None] / 2
-        instants = (panels[:-1, None] + half * (1 + nodes)).ravel()
+        instants, weights = composite_gauss(panels, 4)
         velocity = at_times(fields.velocity, instants, x.shape[1])
-        defects.append(after - before - np.tensordot((half * weights).ravel(), velocity, axes=1))
+        defects.append(after - before - np.tensordot(weights, velocity, axes=1))
     return worst("(2.6) u(t) = u_0 + ∫u̇ dt", x, ends[1:], norms(defects), norms(u), INTEGRATION)
 
 
@@ -292,15 +301,16 @@ def on_boundary(solution: ExactSolution, rng: np.random.Generator, inside: Point
     for part in solution.body.of(Kind.LOADED):
         x = part.sample(rng, count)
         load = at_times(partial(solution.at(x).surface_load, part), instants, count)
-        expected = at_times(partial(_traction_by_step, solution, part, x), instants, count)
+        stresses = at_times(partial(stress_by_step, solution, x, shifted_fields(solution, x)), instants, count)
+        expected = [traction(stress, part.normal) for stress in stresses]
         findings.append(worst("(2.4) σν = f_2 on Γ2", x, instants, norms(load - expected), scale_stress))
     for i, face in enumerate(solution.faces, start=1):
         x, normal = face.part.sample(rng, count), face.part.normal
         on_face, fields = solution.on(face, face.part.coordinates(x)[0]), solution.at(x)
-        u = np.array([np.tensordot(normal, u, axes=1) for u in at_times(fields.displacement, instants, count)])
-        force = [traction(stress, normal) for stress in at_times(fields.stress, instants, count)]
-        stress = np.array([np.tensordot(normal, f, axes=1) for f in force])
-        tangential = norms([f - np.multiply.outer(normal, sn) for f, sn in zip(force, stress, strict=True)])
+        u = normal @ at_times(fields.displacement, instants, count)
+        force = at_times(partial(fields.surface_load, face.part), instants, count)
+        stress = normal @ force
+        tangential = norms(force - stress[:, None] * normal[:, None])
         gap, pressure = (at_times(of, instants, count) for of in (on_face.gap, on_face.stated_pressure))
         checks = [
             ("σ_τ = 0", tangential, scale_stress),
@@ -309,13 +319,6 @@ def on_boundary(solution: ExactSolution, rng: np.random.Generator, inside: Point
         ]
         findings += [worst(f"(2.5) {c} on Γ3,{i}", x, instants, d, scale) for c, d, scale in checks]
     return findings
-
-
-def _traction_by_step(solution: ExactSolution, part: Part, x: Points, times: Array) -> Array:
-    """Return the traction Aε(u̇)ν + Gε(u)ν, with strains from derivatives by the complex step, (d, points, times)."""
-    shifted = shifted_fields(solution, x)
-    rate, strain = (mandel(gradient(shifted, of, times)) for of in (Fields.velocity, Fields.displacement))
-    return traction(solution.law.at(x[..., None]).stress(rate, strain), part.normal)
 
 
 # Checks of the contact data on grids of the contact faces and of [0, T]: signs, contact zone and continuity.
@@ -380,26 +383,25 @@ def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Findin
 
     Along a line in the direction of each coordinate, the change of a quantity must be the integral of its derivative.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(6)
     instants = np.linspace(0, solution.body.T, 9)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
-        for axis, (low, high) in enumerate(
-            zip(face.part.outline.min(axis=1), face.part.outline.max(axis=1), strict=True)
-        ):
+        for axis, corners in enumerate(face.part.outline):
             start = face.part.coordinates(face.part.sample(rng, 1))[0]
-            ends = np.linspace(low, high, 257)
-            half = np.diff(ends)[:, None] / 2
-            inner = (ends[:-1, None] + half * (1 + nodes)).ravel()
-            places = [np.tile(start, line.size) for line in (ends, inner)]
-            for place, line in zip(places, (ends, inner), strict=True):
-                place[axis] = line
-            at_ends, at_inner = (solution.on(face, place) for place in places)
-            traces = [(at_ends.traces(t, axis), at_inner.traces(t, axis)) for t in instants]
+            ends = np.linspace(corners.min(), corners.max(), 257)
+            nodes, weights = composite_gauss(ends, 6)
+            places = []
+            for along in (ends, nodes):
+                place = np.tile(start, along.size)
+                place[axis] = along
+                places.append(place)
+            at_ends, at_nodes = (solution.on(face, place) for place in places)
+            traces = [(at_ends.traces(t, axis), at_nodes.traces(t, axis)) for t in instants]
             for name in traces[0][0]:
                 value = np.array([ends_now[name][0] for ends_now, _ in traces])
-                slope = np.array([inner_now[name][1] for _, inner_now in traces]).reshape(len(instants), -1, len(nodes))
-                defect = abs(np.diff(value, axis=1) - slope @ weights * half[:, 0])
+                slope = np.array([nodes_now[name][1] for _, nodes_now in traces])
+                change = np.diff(value, axis=1)
+                defect = abs(change - (slope * weights).reshape(*change.shape, -1).sum(axis=-1))
                 scale = np.maximum(np.ptp(value, axis=1, keepdims=True), LEAST_SCALE)
                 x = face.part.point(places[0][:, 1:])
                 findings.append(
@@ -431,10 +433,9 @@ def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: 
         onto = inside - np.multiply.outer(normal, normal @ inside - offset)
         x = onto[:, solution.body.contains(onto)][:, :count]
         sides = [solution.at(x + side * 1e-12 * size * normal[:, None]) for side in (-1, 1)]
-        forces = [[traction(fields.stress(t), normal) for t in instants] for fields in sides]
-        scale = norms([sides[0].stress(t) for t in instants])
-        defect = norms(np.subtract(forces[0], forces[1]))
-        findings.append(worst(f"(2.2) σν continuous on {direction}·x = {offset:g}", x, instants, defect, scale))
+        before, beyond = (at_times(fields.stress, instants, x.shape[1]) for fields in sides)
+        defect = norms([traction(jump, normal) for jump in beyond - before])
+        findings.append(worst(f"(2.2) σν continuous on {direction}·x = {offset:g}", x, instants, defect, norms(before)))
     return findings
 
 

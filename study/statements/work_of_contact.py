@@ -30,13 +30,14 @@ from manufactured.body import Kind
 from manufactured.compiled import Jet
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, FaceFields
+from manufactured.gauss import composite_gauss
 from manufactured.modes import at_each
 from manufactured.multiscale import ROLLERS, START, FadingFace
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Shaken, with_midpoints
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import PointsAndWeights, gauss, rule_on
+from study.fem.quadrature import PointsAndWeights, rule_on
 from study.fem.space import Space, form
 from study.ledger.check import MIN_LEVELS, Check, Groups, accuracy, consequence, identity
 from study.ledger.quantities import level_by_level, quotients
@@ -108,18 +109,9 @@ one more point in each panel than the rule in x, so that x = y does not occur.
 """
 
 
-def composite_gauss(panels: int, points: int) -> PointsAndWeights:
-    """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each.
-
-    Args:
-        panels: the number of panels.
-        points: the number of Gauss points on each panel.
-    """
-    x, w = gauss(points)
-    return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
-
-
-FIRST, SECOND = composite_gauss(SEMINORM_PANELS, SEMINORM_POINTS), composite_gauss(SEMINORM_PANELS, SEMINORM_POINTS + 1)
+PANEL_ENDS = np.linspace(0, 1, SEMINORM_PANELS + 1)
+"""The ends of the equal panels of (0, 1)."""
+FIRST, SECOND = composite_gauss(PANEL_ENDS, SEMINORM_POINTS), composite_gauss(PANEL_ENDS, SEMINORM_POINTS + 1)
 """The quadrature rules on (0, 1) for the double integral over x and y of the seminorm, in x and in y."""
 
 
@@ -154,7 +146,7 @@ def gram(panels: int, rho: float) -> Array:
         rho: the order ϱ of the Sobolev–Slobodeckij seminorm.
     """
     nodes = np.linspace(0, 1, panels + 1)
-    rules = composite_gauss(panels, SEMINORM_POINTS), composite_gauss(panels, SEMINORM_POINTS + 1)
+    rules = composite_gauss(nodes, SEMINORM_POINTS), composite_gauss(nodes, SEMINORM_POINTS + 1)
     hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - x)) for x, _ in rules]
     kernel = _kernel(*rules, rho)
     mixed = hats[0] @ kernel @ hats[1].T
@@ -347,13 +339,12 @@ def supremum(touching: Array, rho: float) -> float:
     if contact.all() or not contact.any():
         return 0.0
     A = gram(SEMINORM_PANELS, rho)
-    nodes = np.linspace(0, 1, SEMINORM_PANELS + 1)
-    mass = np.where((nodes == 0) | (nodes == 1), 0.5, 1.0) / SEMINORM_PANELS
-    ends = np.flatnonzero(contact)[[0, -1]]
-    at_start = nodes * SEMINORM_PANELS <= ends[0]
-    at_end = nodes * SEMINORM_PANELS > ends[1]
+    nodes = PANEL_ENDS
+    mass = np.full(len(nodes), 1 / SEMINORM_PANELS)
+    mass[[0, -1]] /= 2
+    first, last = np.flatnonzero(contact)[[0, -1]] / SEMINORM_PANELS
     of_pressure = dual_products(A, contact, mass * np.array([1 - nodes, nodes]))
-    of_slope = dual_products(A, ~contact, mass * np.array([at_start, at_end]))
+    of_slope = dual_products(A, ~contact, mass * np.array([nodes <= first, nodes > last]))
     largest_value = float(np.max(np.linalg.eigvals(of_pressure @ of_slope).real, initial=0.0))
     return math.sqrt(largest_value) / float(beta(np.array(1 - contact.mean())))
 
@@ -443,7 +434,7 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
     return lambda time: -np.asarray(at.inclusion.T @ load(time))
 
 
-FACE_RULE = composite_gauss(512, 4)
+FACE_RULE = composite_gauss(np.linspace(0, 1, 513), 4)
 """Quadrature rule on a contact face. Waves are at least 1/64 of the face wide, so each has at least 8 intervals."""
 TIME_NODES = 8
 """Number of nodes of the midpoint rule that integrates the work of contact over time."""
