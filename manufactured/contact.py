@@ -25,7 +25,7 @@ In the paper g = 0, and the contact conditions are (2.5). For g ≠ 0, which the
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple, Protocol
@@ -36,12 +36,12 @@ import sympy as sp
 from manufactured.arguments import Size, checked
 from manufactured.body import Part
 from manufactured.compiled import Jet
-from manufactured.face_strain import Coupled, FaceStrain, Memory, StrainAtPoints, relaxation_rate
+from manufactured.face_strain import Coupled, FaceStrain, Memory, relaxation_rate
 from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric, face_moduli
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2, t
-from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mapped, pairs, rotation, with_time_axis
 
 # The displacement of a contact face and its strain, as sums of terms.
 #
@@ -448,24 +448,21 @@ It is a pair of the number of the function (``Term.source``) and the multi-index
 """
 
 
-@dataclass(frozen=True, eq=False)
-class _Traces:
-    """Evaluates the displacement u_n, the strain (q, r) and the slip z on a face at fixed points.
+def traces_at(face: ContactFace, s: Array) -> Callable[[Time, bool, int], tuple[Values, ...]]:
+    """Return a function that evaluates the displacement u_n, the strain (q, r) and the slip z on a face at points s.
 
-    A call returns u_n, q, the components of r if there is shear, and the components of z, in the order of
-    ``Term.source``. Each has its derivatives along the face: u_n up to the order ``order`` + 1, the others up to
-    ``order``. If ``rate`` is true, it returns these derivatives of the time derivatives.
+    A call with the time, ``rate`` and ``order`` returns u_n, q, the components of r if there is shear, and the
+    components of z, in the order of ``Term.source``. Each has its derivatives along the face: u_n up to the order
+    ``order`` + 1, the others up to ``order``. If ``rate`` is true, the time derivatives of all of them are returned.
     """
+    strain = face.strain.at(s)
 
-    face: ContactFace
-    s: Array
-    strain: StrainAtPoints
+    def traces(time: Time, rate: bool, order: int) -> tuple[Values, ...]:
+        jets = face.rate_jets if rate else face.jets
+        u_n, *slip = (jet(with_time_axis(s, time), time, order + 1) for jet in jets)
+        return u_n, *strain(time, rate, order), *slip
 
-    def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, ...]:
-        jets = self.face.rate_jets if rate else self.face.jets
-        places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
-        u_n, *slip = (jet(places, time, order + 1) for jet in jets)
-        return u_n, *self.strain(time, rate, order), *slip
+    return traces
 
 
 class Lifting:
@@ -487,7 +484,7 @@ class Lifting:
         if not self.reach.all():
             places, self.y = places[:, self.reach], self.y[self.reach]
         self.s, self.where = distinct(places)
-        self.on_face = _Traces(face, self.s, face.strain.at(self.s))
+        self.on_face = traces_at(face, self.s)
         kinds = len(self.s), self.deep, face.tangential
         self.displacement_terms, self.strain_terms = displacement_terms(*kinds), strain_terms(*kinds)
         self._shapes: dict[tuple[Shape, int], Array] = {}
@@ -609,7 +606,7 @@ class Lifting:
         components = np.empty((1 + terms[-1].row, *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
         for term in terms:
-            shape = self.shape(term.shape, into).reshape(*self.y.shape, *(1,) * np.ndim(time))
+            shape = with_time_axis(self.shape(term.shape, into), time)
             # The first term of each row initialises the row, so the array need not be filled with zeros.
             first = term.row not in begun
             trace = traces[term.source][plus(term.along, along)]

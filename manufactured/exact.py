@@ -27,7 +27,18 @@ from manufactured.contact import (
 from manufactured.law import AtPoints, KelvinVoigt, LawError, PointLaw, Scaled
 from manufactured.modes import Modes, at_each, pointwise
 from manufactured.symbols import Values
-from manufactured.tensors import Array, Hyperplane, Points, Tensors, Time, Vectors, basis, rotation, traction
+from manufactured.tensors import (
+    Array,
+    Hyperplane,
+    Points,
+    Tensors,
+    Time,
+    Vectors,
+    basis,
+    rotation,
+    traction,
+    with_time_axis,
+)
 
 # Checks that points lie in the body and times in [0, T].
 #
@@ -399,7 +410,7 @@ class FaceFields:
     def _value(self, jet: Jet, time: Array | float) -> Array:
         """Return the value of a formula at the points and a time."""
         require_times(self.solution.body.T, time)
-        return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
+        return jet(with_time_axis(self.s, time), time)[(0,) * len(self.s)]
 
     def pressure(self, time: Array | float) -> Array:
         """Return the pressure p = −σ_ν, computed from the stress of the whole solution, (...)."""

@@ -40,7 +40,7 @@ from manufactured.compiled import Jet, coefficients_in_t, function
 from manufactured.face_formula import SMOOTH
 from manufactured.gauss import composite_gauss
 from manufactured.symbols import SMALLEST, FormulaError, Function, Index, Symbols, Values, pos, s, t
-from manufactured.tensors import Array, Time
+from manufactured.tensors import Array, Time, with_time_axis
 
 # Integrals over time of smooth functions times e^{−λ(t−r)}.
 #
@@ -678,7 +678,7 @@ class Prescribed:
         ends = [end for end, _ in self.phases]
 
         def strain(time: Time, rate: bool, order: int) -> Components:
-            times, places = np.asarray(time), points.reshape(*points.shape, *(1,) * np.ndim(time))
+            times, places = np.asarray(time), with_time_axis(points, time)
             phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
             found: Values = {}
             for number in np.unique(phase):
@@ -818,8 +818,7 @@ class MemoryAtPoints:
         strain = self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
         if not rate:
             return (strain,)
-        places = self.points.reshape(*self.points.shape, *(1,) * np.ndim(time))
-        source = self.memory.source_jet(places, time, order)
+        source = self.memory.source_jet(with_time_axis(self.points, time), time, order)
         return ({index: -source[index] - self.memory.decay * value for index, value in strain.items()},)
 
     def _strain(self, when: tuple[float, ...] | complex, order: int) -> Values:

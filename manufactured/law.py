@@ -469,13 +469,11 @@ class Yield(Homogeneous):
         return self.beta * (1 - radius / np.maximum(_norm(part), radius)) * part
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
-        part = mapped(self.convex.projector, strain)
-        change = mapped(self.convex.projector, direction)
-        norm = _norm(part)
-        outside = norm > self.convex.radius
-        norm = np.where(outside, norm, 1.0)
-        radial = self.convex.radius * np.sum(part * change, axis=0) / norm**3
-        return self.beta * np.where(outside, (1 - self.convex.radius / norm) * change + radial * part, 0.0)
+        part, change = (mapped(self.convex.projector, tensor) for tensor in (strain, direction))
+        radius = self.convex.radius
+        norm = np.maximum(_norm(part), radius)
+        radial = radius * np.sum(part * change, axis=0) / norm**3
+        return self.beta * np.where(norm > radius, (1 - radius / norm) * change + radial * part, 0.0)
 
     def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
         at = strain()

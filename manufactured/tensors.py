@@ -50,6 +50,11 @@ def mapped(C: Array, x: Array) -> Array:
     return (C @ x.reshape(len(x), -1)).reshape(*C.shape[:-1], *x.shape[1:])
 
 
+def with_time_axis(values: Array, time: Time) -> Array:
+    """Return an array with a last axis of length 1 added, if ``time`` consists of several times."""
+    return values[..., None] if np.ndim(time) else values
+
+
 @lru_cache
 def pairs(dim: int) -> tuple[tuple[int, int], ...]:
     """Return the index pairs (i, j), i ≤ j, in the order of the Mandel components of a symmetric tensor."""
