@@ -182,7 +182,7 @@ def mean_energy(A: Linear) -> float:
     λ)/2 for an isotropic A.
     """
     directions = np.array([dyad(axis, DIRECTION) for axis in np.eye(2)])
-    return float(np.einsum("iI,IJ,iJ->", directions, A.matrix, directions)) / 2
+    return float(np.vdot(directions @ A.matrix, directions)) / 2
 
 
 def norm_of_start(A: Linear) -> float:
@@ -494,9 +494,9 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
         rate = exact.strain_rate(time)
         load = v_norm.load(time)
         residual = energies.functional(exact.law.stress(rate, strain)) - load
-        of_solution = energies.norm(rate), energies.norm(strain)
-        rows.append((dual_norm(residual, riesz), *of_solution, dual_norm(load, riesz)))
-    R, velocity, displacement, force = np.max(rows, axis=0)
+        of_functionals = dual_norm(np.array([residual, load]), riesz)
+        rows.append([*of_functionals, energies.norm(rate), energies.norm(strain)])
+    R, force, velocity, displacement = np.max(rows, axis=0)
     stress_at_zero = exact.law.G(0 * exact.strain(0.0))
     at_zero = np.sqrt(energies.work(stress_at_zero, stress_at_zero) / law.A.ellipticity)
     return float(R / (velocity + law.kappa * displacement + at_zero + force))

@@ -458,18 +458,17 @@ class AdvancingFront(ListedNumbers):
         nodes = np.arange(0, 2 * steps + 1, max(1, 2 * steps // ERROR_INSTANTS))
         error = v_norm.largest(nodes * problem.T / (2 * steps), fine[nodes])
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
-        riesz = Cholesky(problem.M)
-        changes = []
-        for time in midpoints(problem.T, FEW_INSTANTS):
-            finer = load_from_forces(solution, space, time, RAISED_FORCE_DEGREE)
-            changes.append(dual_norm(finer - force(time), riesz))
+        changes = [
+            load_from_forces(solution, space, time, RAISED_FORCE_DEGREE) - force(time)
+            for time in midpoints(problem.T, FEW_INSTANTS)
+        ]
         rates = Energies(solution, space, aligned=False).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
         numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
             "time share": furthest(problem, fine[::2], coarse) / error,
-            "quadrature": problem.T * maximum(changes) / error,
+            "quadrature": problem.T * dual_norm(np.array(changes), Cholesky(problem.M)).max() / error,
             "local": violation(v_norm, problem, forces[1:]) / (space.h * math.log(space.h)) ** 2,
             "pairing": pairing(solution, space, problem.M @ np.diff(fine, axis=0).T),
             "half": half_quotient(problem, fine),

@@ -273,7 +273,7 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscret
     riesz = Cholesky(problem.M)
     times = np.array([state.time for state in trajectory[1:]])
     distances = norms(problem, np.array([state.u for state in trajectory]) - path(other, BACKWARD_EULER, steps))
-    loads = [dual_norm(change, riesz) for change in (other.load(times) - problem.load(times)).T]
+    loads = dual_norm((other.load(times) - problem.load(times)).T, riesz)
     return distances[1:] / (distances[0] + problem.T / steps * np.cumsum(loads))
 
 
@@ -304,7 +304,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]
     rng = np.random.default_rng(SEED)
     riesz = Cholesky(problem.M)
     onto = Signorini(problem.M, problem.N)
-    load = maximum(norm(problem, f) for f in riesz(problem.load(np.linspace(0, problem.T, 9)).T))
+    load = norms(problem, riesz(problem.load(np.linspace(0, problem.T, 9)).T)).max()
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in PERTURBATION_SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
@@ -337,8 +337,12 @@ def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
     return v - np.linalg.pinv(N) @ (N @ v)
 
 
-SWEEP = tuple((rate, end) for rate in (0.1, 1.0, 10.0) for end in (0.1, 1.0, 10.0) if rate * end <= 10)
-"""The pairs (ω, T) of rates and final times. ωT is between 1/100 and 10, so e^{ωT} is at most 2e4."""
+SWEEP = {
+    f"ω = {omega:g}, T = {T:g}": (omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10
+}
+"""The pairs (ω, T) of rates and final times, by their names in columns.
+
+ωT is between 1/100 and 10, so e^{ωT} is at most 2e4."""
 SHORT = 16
 """Least number of time steps in [0, T] and in an interval of the length 1/ω, the time in which solutions diverge."""
 PERTURBATION_KINDS = 5
@@ -354,26 +358,12 @@ DISTANCE_OVER_BOUND = "largest ‖u − v‖_V / its bound, u and v with differe
 EVERY_RATE = "for every ω and T"
 
 
-def column(law: str, what: str, omega: float, T: float) -> str:
-    """Return the name of the column with a measured number of a material law for one pair (ω, T).
+def columns(quantity: str) -> list[str]:
+    """Return the names of the columns of a quantity, such as "own rate", one for each pair (ω, T) of ``SWEEP``.
 
-    Args:
-        law: "own" for the scaled law of the case, "even" for the law with G = −ωA.
-        what: the quantity, "rate" or "bound".
-        omega: the rate ω = L_G/m_A of the law.
-        T: the final time.
+    In these names "own" stands for the scaled law of the case, and "even" for the law with G = −ωA.
     """
-    return f"{law} {what}, ω = {omega:g}, T = {T:g}"
-
-
-def columns(law: str, what: str) -> list[str]:
-    """Return the names under which one quantity is measured for a material law, one for each pair (ω, T) of ``SWEEP``.
-
-    Args:
-        law: "own" for the scaled law of the case, "even" for the law with G = −ωA.
-        what: the quantity, "rate" or "bound".
-    """
-    return [column(law, what, omega, T) for omega, T in SWEEP]
+    return [f"{quantity}, {pair}" for pair in SWEEP]
 
 
 class SolutionDivergence(ListedNumbers):
@@ -421,22 +411,20 @@ class SolutionDivergence(ListedNumbers):
         consequence(
             "rate",
             f"{GROWTH_OVER_RATE} c, scaled law of the case, {EVERY_RATE}",
-            columns("own", "rate"),
+            columns("own rate"),
             RATE_SEEN,
         ),
-        consequence(
-            "rate-even", f"{GROWTH_OVER_RATE} ω, law G = −ωA, {EVERY_RATE}", columns("even", "rate"), RATE_SEEN
-        ),
+        consequence("rate-even", f"{GROWTH_OVER_RATE} ω, law G = −ωA, {EVERY_RATE}", columns("even rate"), RATE_SEEN),
         paper_claim(
             "bound",
             f"{DISTANCE_OVER_BOUND}, scaled law of the case, {EVERY_RATE}",
-            columns("own", "bound"),
+            columns("own bound"),
             positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations"),
         ),
         identity(
             "bound-even",
             f"{DISTANCE_OVER_BOUND}, law G = −ωA, {EVERY_RATE}",
-            columns("even", "bound"),
+            columns("even bound"),
             Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −ωI"),
         ),
     )
@@ -447,10 +435,10 @@ class SolutionDivergence(ListedNumbers):
         setup = Experiment.at(setting, MIDPOINT, 1)
         law = resolve(setting.case).solution.law
         numbers: Numbers = {}
-        for omega, T in SWEEP:
+        for pair, (omega, T) in SWEEP.items():
             for name, softening in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
-                numbers[column(name, "rate", omega, T)] = growth_rate(setup.space, softening, T)
-                numbers[column(name, "bound", omega, T)] = over_bound(setup, softening, T)
+                numbers[f"{name} rate, {pair}"] = growth_rate(setup.space, softening, T)
+                numbers[f"{name} bound, {pair}"] = over_bound(setup, softening, T)
         return with_h(setup.space.h, numbers)
 
 
@@ -843,11 +831,8 @@ class LoadInTime(ListedNumbers):
         times = np.linspace(0, solution.body.T, LOAD_INTERVALS + 1)
         loads = v_norm.load(times).T
         # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
-        fine, half, coarse = (
-            np.array([dual_norm(increment, riesz) for increment in np.diff(loads[::step], axis=0)])
-            for step in (1, 2, COARSER)
-        )
-        size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
+        fine, half, coarse = (dual_norm(np.diff(loads[::step], axis=0), riesz) for step in (1, 2, COARSER))
+        size = dual_norm(loads, riesz).mean() * solution.body.T
         numbers = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}
         return with_h(space.h, {**numbers, "norm": size + fine.sum()})
 
@@ -904,7 +889,7 @@ class TractionInTime(ListedNumbers):
         for part in space.body.parts:
             rule = rule_on(space, part, FACET_POINTS if space.dim == 2 else 2)
             exact = solution.at(part.point(rule.s))
-            squares += [np.sum(exact.surface_load(part, time) ** 2 * rule.weights) for time in times.tolist()]
+            squares += np.tensordot(rule.weights, np.sum(exact.surface_load(part, times) ** 2, axis=0), axes=2)
         return with_h(space.h, {"norm": math.sqrt(squares.max())})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
@@ -1098,35 +1083,21 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
 
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
-    distinct: list[Part] = []
+    distinct: dict[tuple[float, ...], Part] = {}
     for part in body.of(kind):
-        lines = [np.append(other.normal, other.normal @ other.start) for other in (*distinct, part)]
-        if not any(np.allclose(line, lines[-1]) for line in lines[:-1]):
-            distinct.append(part)
-    return distinct
-
-
-def distances(x: Points, parts: list[Part]) -> Array:
-    """Return for each point the product of its distances from the planes that contain the given boundary parts.
-
-    Args:
-        x: the points, (d, ...).
-        parts: the boundary parts.
-
-    Returns:
-        One product for each point, (...).
-    """
-    return np.prod([np.ones(x.shape[1:]), *(part.coordinates(x)[1] for part in parts)], axis=0)
+        line = np.append(part.normal, part.normal @ part.start)
+        distinct.setdefault(tuple(line.round(9)), part)
+    return list(distinct.values())
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
-    """Return a field multiplied by the distances from the planes of given boundary parts.
+    """Return a field multiplied by the distances from the planes that contain given boundary parts.
 
     Args:
         field: the field. The result vanishes on the boundary parts.
         parts: the boundary parts.
     """
-    return lambda x: field(x) * distances(x, parts)
+    return lambda x: field(x) * math.prod(part.coordinates(x)[1] for part in parts)
 
 
 def waves(body: Body, rng: np.random.Generator) -> Field:

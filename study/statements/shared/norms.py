@@ -48,14 +48,14 @@ def minimum(values: Iterable[float | np.floating[Any]]) -> float:
     return float(np.min([*values]))
 
 
-def dual_norm(functional: Array, riesz: VectorFunction) -> float:
-    """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
+def dual_norm(functionals: Array, riesz: VectorFunction) -> Array:
+    """Return the dual norms (FᵀM⁻¹F)^{1/2} of linear functionals v ↦ F·v on the P1 space V^h, (...).
 
     Args:
-        functional: the values F of the functional for the basis functions, (dofs,).
+        functionals: the values F of each functional for the basis functions, (..., dofs).
         riesz: the function b ↦ M⁻¹b, with the matrix M of (·,·)_V.
     """
-    return math.sqrt(max(float(functional @ riesz(functional)), 0.0))
+    return np.sqrt(np.maximum(np.sum(functionals * riesz(functionals), axis=-1), 0.0))
 
 
 class Energies:
