@@ -28,7 +28,8 @@ p = −a q̇ − A_nnss ∂_s ż. A slip with ∂_s z = 0, which moves the face 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import Protocol
 
@@ -39,7 +40,7 @@ from manufactured.arguments import Size, checked
 from manufactured.compiled import Jet, coefficients_in_t, function
 from manufactured.face_formula import SMOOTH
 from manufactured.gauss import composite_gauss
-from manufactured.symbols import SMALLEST, FormulaError, Function, Index, Symbols, Values, pos, s, t
+from manufactured.symbols import SMALLEST, FormulaError, Function, Symbols, Values, pos, s, t
 from manufactured.tensors import Array, Time, with_time_axis
 
 # Integrals over time of smooth functions times e^{−λ(t−r)}.
@@ -48,86 +49,68 @@ from manufactured.tensors import Array, Time, with_time_axis
 # by Gauss's rule.
 
 
-class Started(Protocol):
-    """The interface of integrals over time ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points s of a contact face.
+Integrals = Callable[[Array, Array], Values]
+"""The type of integrals over time ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points s of a contact face.
 
-    P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate. The
-    starting times a are fixed; the integrals are functions of b.
-    """
+P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate. The
+starting times a are fixed. A call with times b, (n,), and the indices of n of the points, (n,), returns a dict from the
+multi-index i of the derivative along the face to the values of the integrals up to the times b, (n,).
+"""
+Prepare = Callable[[Array, Array, Array, int], Integrals]
+"""The type of a function that prepares integrals over time. Its arguments are
 
-    def upto(self, upper: Array, chosen: Array) -> Values:
-        """Return the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr up to given times b, at some of the points s.
-
-        Args:
-            upper: the times b, (n,).
-            chosen: the indices of the points, (n,).
-
-        Returns:
-            A dict from the multi-index i of the derivative along the face to the values of the integrals, (n,).
-        """
-        ...
+* the coordinates s of the points, (d − 1, N);
+* the starting times a, (N,);
+* the latest times b for which integrals will be needed, (N,);
+* the highest order |i| of derivatives along the face.
+"""
 
 
-class Convolution:
-    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of degree m in the time r.
+def of_polynomial(smooth: sp.Expr, variables: Symbols, decay: float) -> Prepare:
+    """Return the function that prepares integrals over time for a polynomial P of degree m in the time r.
 
-    λ is a constant rate. With τ = b − a, Taylor's formula at a gives
+    With τ = b − a, Taylor's formula at a gives
 
         ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!.
 
-    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once. ``integral`` makes instances.
+    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once.
+
+    Args:
+        smooth: the formula of P.
+        variables: the symbols of the coordinates s along the face.
+        decay: the rate λ.
 
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
+    powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
+    count = len(powers)
+    factorials = np.array([[math.factorial(j)] for j in range(count)], dtype=float)
 
-    def __init__(self, smooth: sp.Expr, variables: Symbols, decay: float) -> None:
-        self.decay = decay
-        self.powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
-
-    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for given points s and starting times a.
-
-        The derivatives ∂_s^i ∂_r^j P(s, a) are computed for every |i| ≤ order and every j.
-
-        Args:
-            points: the coordinates s of the points, (d − 1, N).
-            lower: the starting times a, (N,).
-            upper: the latest times b for which integrals will be needed, (N,).
-            order: the highest order |i| of derivatives along the face.
-        """
-        values = [jet(points, lower, order) for jet in self.powers]
-        factorials = np.array([[math.factorial(j)] for j in range(len(values))], dtype=float)
-        coefficients = {}
+    def prepare(points: Array, lower: Array, upper: Array, order: int) -> Integrals:
+        values = [jet(points, lower, order) for jet in powers]
+        derivatives = {}
         for index in values[0]:
             taylor = 1.0 * np.array([value[index] for value in values])  # values of integers have an integer type
             # Repeated synthetic division by r − a turns coefficients of powers of r into those of powers of r − a.
-            for first in range(len(taylor)):
-                for j in reversed(range(first, len(taylor) - 1)):
+            for first in range(count):
+                for j in reversed(range(first, count - 1)):
                     taylor[j] += lower * taylor[j + 1]
-            coefficients[index] = factorials * taylor
-        return _Taylor(self.decay, len(values) - 1, lower, coefficients)
+            derivatives[index] = factorials * taylor
 
+        def upto(upper: Array, chosen: Array) -> Values:
+            found = {index: np.empty(upper.shape, np.result_type(upper, value)) for index, value in derivatives.items()}
+            for first in range(0, len(upper), INTEGRALS_AT_ONCE):
+                here = slice(first, first + INTEGRALS_AT_ONCE)
+                duration = upper[here] - lower[chosen[here]]
+                weights = phi(-decay * duration, count)
+                weights *= duration ** np.arange(1, count + 1)[:, None]
+                for index, value in derivatives.items():
+                    found[index][here] = np.einsum("jn,jn->n", np.take(value, chosen[here], axis=1), weights)
+            return found
 
-@dataclass(frozen=True, eq=False)
-class _Taylor:
-    """The integrals from starting times a, (N,), with the Taylor coefficients at a, (m + 1, N) for each multi-index."""
+        return upto
 
-    decay: float
-    degree: int
-    lower: Array
-    coefficients: dict[Index, Array]
-
-    def upto(self, upper: Array, chosen: Array) -> Values:
-        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
-        found = {i: np.empty(upper.shape, np.result_type(upper, value)) for i, value in self.coefficients.items()}
-        for first in range(0, len(upper), INTEGRALS_AT_ONCE):
-            here = slice(first, first + INTEGRALS_AT_ONCE)
-            duration = upper[here] - self.lower[chosen[here]]
-            weights = phi(-self.decay * duration, self.degree + 1)
-            weights *= duration ** np.arange(1, self.degree + 2)[:, None]
-            for index, value in self.coefficients.items():
-                found[index][here] = np.einsum("jn,jn->n", np.take(value, chosen[here], axis=1), weights)
-        return found
+    return prepare
 
 
 INTEGRALS_AT_ONCE = 1 << 12
@@ -187,91 +170,68 @@ The error is estimated by the difference between the rule on an interval and the
 """
 
 
-class Quadrature:
-    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule.
+def of_smooth(branch: sp.Expr, variables: Symbols, decay: float) -> Prepare:
+    """Return the function that prepares integrals over time by Gauss's rule, with the arguments of ``of_polynomial``.
 
-    P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate.
-    ``integral`` makes instances.
+    It raises FormulaError if the integrand P, given by the formula ``branch``, changes too fast in time for the rule.
     """
+    jet = Jet(branch, variables)
 
-    def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
-        self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
-
-    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for given points s and starting times a.
-
-        Args:
-            points: the coordinates s of the points, (d − 1, N).
-            lower: the starting times a, (N,).
-            upper: the latest times b for which integrals will be needed, (N,).
-            order: the highest order |i| of derivatives along the face.
-
-        Raises:
-            FormulaError: the integrand P changes too fast in time for the quadrature rule.
-        """
+    def prepare(points: Array, lower: Array, upper: Array, order: int) -> Integrals:
+        every = np.arange(lower.size)
+        middle = (lower + upper) / 2
+        fading = np.exp(-decay * (upper - middle))
         for pieces in GAUSS_PIECES:
-            nodes, weights = composite_gauss(np.linspace(0, 1, pieces + 1), POINTS_OF_RULE)
-            found = _Gauss(self.jet, self.decay, nodes, weights, points, lower, order)
-            off, size = found.defect(upper)
-            # SMALLEST prevents a division by zero if all integrals are zero.
-            if off <= ACCURACY * max(size, SMALLEST):
-                return found
+            rule = composite_gauss(np.linspace(0, 1, pieces + 1), POINTS_OF_RULE)
+            integrals = partial(by_gauss, jet, decay, rule, points, order)
+            # The error is estimated from the rule on both halves, for the derivative with the largest relative error.
+            first, second = integrals(lower, middle, every), integrals(middle, upper, every)
+            defects = []
+            for index, value in integrals(lower, upper, every).items():
+                off = abs(value - fading * first[index] - second[index]).max(initial=0.0)
+                # SMALLEST prevents a division by zero if all integrals are zero.
+                defects.append((float(off), max(float(abs(value).max(initial=0.0)), SMALLEST)))
+            off, size = max(defects, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / pair[1])
+            if off <= ACCURACY * size:
+                return partial(integrals, lower)
         raise FormulaError(
-            f"{self.branch}: this part of p/a changes so fast in t that the strain it causes has an error of "
-            f"{off:.1g} for a size of {size:.3g}; take a slower motion or a shorter time"
+            f"{branch}: this part of p/a changes so fast in t that the strain it causes has an error of {off:.1g} for "
+            f"a size of {size:.3g}; take a slower motion or a shorter time"
         )
 
-
-@dataclass(frozen=True, eq=False)
-class _Gauss:
-    """The integrals from starting times a, (N,), by a rule with nodes and weights on (0, 1)."""
-
-    jet: Jet
-    decay: float
-    nodes: Array
-    weights: Array
-    points: Array
-    lower: Array
-    order: int
-
-    def defect(self, upper: Array) -> tuple[float, float]:
-        """Return the error of Gauss's rule, estimated from the rule on both halves, and the size of the integral.
-
-        Both numbers belong to the derivative with the largest relative error.
-        """
-        every = np.arange(self.lower.size)
-        middle = (self.lower + upper) / 2
-        fading = np.exp(-self.decay * (upper - middle))
-        first, second = self.upto(middle, every), replace(self, lower=middle).upto(upper, every)
-        found = []
-        for index, value in self.upto(upper, every).items():
-            off = abs(value - fading * first[index] - second[index]).max(initial=0.0)
-            found.append((float(off), float(abs(value).max(initial=0.0))))
-        return max(found, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / max(pair[1], SMALLEST))
-
-    def upto(self, upper: Array, chosen: Array) -> Values:
-        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
-        lower = self.lower[chosen][:, None]
-        length = upper[:, None] - lower
-        left = length * (1 - self.nodes)
-        weights = length * self.weights * np.exp(-self.decay * left)
-        points = np.repeat(self.points[:, chosen, None], len(self.nodes), axis=2)
-        values = self.jet(points, lower + length * self.nodes, self.order)
-        return {index: np.einsum("nq,nq->n", value, weights) for index, value in values.items()}
+    return prepare
 
 
-def integral(branch: sp.Expr, variables: Symbols, decay: float) -> Convolution | Quadrature:
-    """Return the object that computes the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time.
-
-    It is a ``Convolution`` if P is a polynomial of the time, otherwise a ``Quadrature``.
+def by_gauss(
+    jet: Jet,
+    decay: float,
+    rule: tuple[Array, Array],
+    points: Array,
+    order: int,
+    lower: Array,
+    upper: Array,
+    chosen: Array,
+) -> Values:
+    """Return integrals over time by a quadrature rule, (n,) for each derivative along the face.
 
     Args:
-        branch: the formula of P, which must be smooth in time: the load on the face (``Memory.load``), or a part of it,
-            divided by the normal modulus of the viscosity.
-        variables: the symbols of the coordinates s along the face.
+        jet: evaluates the integrand P.
         decay: the rate λ.
+        rule: nodes and weights of the rule on (0, 1).
+        points: the coordinates s of N points, (d − 1, N).
+        order: the highest order of derivatives along the face.
+        lower: the starting times at all points, (N,).
+        upper: the times up to which is integrated, (n,).
+        chosen: the numbers of n of the points, (n,).
     """
-    return (Convolution if branch.is_polynomial(t) else Quadrature)(branch, variables, decay)
+    nodes, weights = rule
+    begin = lower[chosen][:, None]
+    length = upper[:, None] - begin
+    left = length * (1 - nodes)
+    factors = length * weights * np.exp(-decay * left)
+    places = np.repeat(points[:, chosen, None], len(nodes), axis=2)
+    values = jet(places, begin + length * nodes, order)
+    return {index: np.einsum("nq,nq->n", value, factors) for index, value in values.items()}
 
 
 # The times at which contact fronts pass given points of a face, so that contact begins or ends there.
@@ -558,11 +518,11 @@ class PressureTerm:
 
     Attributes:
         moving: the moving contact fronts.
-        integral: computes integrals over time of the formula that holds where all ψ are positive.
+        integral: prepares integrals over time of the formula that holds where all ψ are positive.
     """
 
     moving: tuple[Front, ...]
-    integral: Convolution | Quadrature
+    integral: Prepare
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
         """Return the times at which contact begins and ends at N points, in J time intervals, (J, N) each.
@@ -713,7 +673,7 @@ class Memory:
     **Integration.** At each s, the roots in t of the moving ψ_i of a term divide [0, T] into intervals (``front``). The
     term, divided by a, is a smooth function P(s, ·) in those intervals in which all of them are positive, and 0 in the
     others. With λ = g/a, the integral of e^{−λ(t−r)} P over the time r is known in closed form if P is a polynomial of
-    t; otherwise Gauss's rule is used (``integral``). The derivative ∂_s^i q is the same expression with ∂_s^i P for all
+    t; otherwise Gauss's rule is used. The derivative ∂_s^i q is the same expression with ∂_s^i P for all
     i up to the smallest exponent of a moving ψ that depends on s: ∂_s^{i−1} P then vanishes where an interval begins or
     ends at a time that depends on s.
 
@@ -787,7 +747,7 @@ class Memory:
         return tuple(
             PressureTerm(
                 tuple(front(formula, self.variables) for formula in fronts),
-                integral(branch, self.variables, self.decay),
+                (of_polynomial if branch.is_polynomial(t) else of_smooth)(branch, self.variables, self.decay),
             )
             for fronts, branch in branches.items()
             if branch != 0
@@ -854,14 +814,14 @@ class _ContactIntervals:
         self.entry, self.exit = entry[used], exit_[used]
         self._integrals = lru_cache(self._start)
 
-    def _start(self, order: int) -> tuple[Started, Values]:
+    def _start(self, order: int) -> tuple[Integrals, Values]:
         """Return the integrals from the entry into contact as functions of time, and their values at the exit."""
-        started = self.integral.started(self.points, self.entry, self.exit, order)
-        return started, started.upto(self.exit, np.arange(self.exit.size))
+        upto = self.integral(self.points, self.entry, self.exit, order)
+        return upto, upto(self.exit, np.arange(self.exit.size))
 
     def subtract(self, totals: Values, time: Time, order: int) -> None:
         """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
-        started, whole = self._integrals(order)
+        upto, whole = self._integrals(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
         now = times.real
         over, when = np.nonzero(exit_ <= now)
@@ -872,7 +832,7 @@ class _ContactIntervals:
                 np.subtract.at(total.reshape(-1), places, since * whole[index][over])
         touching, when = np.nonzero((entry < now) & (exit_ > now))
         if touching.size:
-            found = started.upto(times[when], touching)
+            found = upto(times[when], touching)
             # No index occurs twice, because at any time a point belongs to at most one interval of contact. So ``-=``
             # is safe.
             places = self.touched[touching] * len(times) + when
