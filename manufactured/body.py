@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from itertools import combinations
 from math import factorial
 
 import numpy as np
@@ -317,10 +318,10 @@ class Body:
             raise BodyError(f"the final time must be positive, got T = {self.T}")
         for point in self.refine:
             _check_refined(self, point)
-        for i, interface in enumerate(self.interfaces):
+        for interface in self.interfaces:
             _check_interface(self, interface)
-            for other in self.interfaces[:i]:
-                _check_apart(interface, other)
+        for interface, other in combinations(self.interfaces, 2):
+            _check_apart(interface, other)
 
     @property
     def dim(self) -> int:

@@ -149,9 +149,9 @@ class ContributionAtPoints(Protocol):
     times, as a sum of products of functions of the point and of time.
     """
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors: ...
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array: ...
+    def displacement(self, time: Time, rate: bool = False) -> Vectors: ...
+    def strain(self, time: Time, rate: bool = False) -> Tensors: ...
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array: ...
     def modes(self) -> Modes: ...
 
 
@@ -497,7 +497,7 @@ class Lifting:
             )
         return self._shapes[shape, derivative]
 
-    def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, ...]:
+    def traces(self, time: Time, rate: bool, order: int) -> tuple[Values, ...]:
         """Return the data of the contact face at the coordinates s of every point, with derivatives along the face.
 
         The data are the normal displacement u_n, with derivatives up to ``order`` + 1, and the normal strain q, shear
@@ -517,7 +517,7 @@ class Lifting:
             return traces
         return tuple({index: values[self.where] for index, values in trace.items()} for trace in traces)
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, in global axes, (d, ...)."""
         traces = self.traces(time, rate, int(self.deep))
         local = self._local(self.displacement_terms, traces, (0,) * len(self.s), 0, time)
@@ -535,13 +535,17 @@ class Lifting:
         found[(slice(None),) * inner + (self.reach,)] = values
         return found
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, in global axes, as Mandel vectors (D, ...)."""
         traces = self.traces(time, rate, 1 + self.deep)
-        local = self._local(self.strain_terms, traces, (0,) * len(self.s), 0, time)
-        return self._everywhere(local if self.rotation is None else mapped(self.rotation, local), 1)
+        return self._everywhere(self._strain(traces, (0,) * len(self.s), 0, time), 1)
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def _strain(self, traces: tuple[Values, ...], along: Index, into: int, time: Time) -> Tensors:
+        """Return the derivative ∂_s^along ∂_y^into of the strain in global axes; ``into`` is 0 or 1."""
+        local = self._local(self.strain_terms, traces, along, into, time)
+        return local if self.rotation is None else mapped(self.rotation, local)
+
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, in global axes, (D, d, ...).
 
         At fronts they may not exist; one-sided values are returned there.
@@ -549,9 +553,7 @@ class Lifting:
         traces = self.traces(time, rate, 2 + self.deep)
         zero, first = first_indices(len(self.s))
         places = [(i, 0) for i in first] + [(zero, 1)]
-        local = np.array([self._local(self.strain_terms, traces, along, into, time) for along, into in places])
-        if self.rotation is not None:
-            local = (self.rotation @ local.reshape(*local.shape[:2], -1)).reshape(local.shape)
+        local = np.array([self._strain(traces, along, into, time) for along, into in places])
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:
@@ -559,7 +561,7 @@ class Lifting:
 
         s is the coordinate of the point along the face.
         """
-        axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
+        axes = rotation(self.frame)
         terms = self.strain_terms
         tensors = np.array([axes[:, term.row] for term in terms])
         shapes = np.array([term.factor * self.shape(term.shape, 0).ravel() for term in terms])
@@ -598,9 +600,7 @@ class Lifting:
         """
         return self.face.profile.e is not ZERO
 
-    def _local(
-        self, terms: tuple[Term, ...], traces: tuple[Values, ...], along: Index, into: int, time: Array | complex
-    ) -> Array:
+    def _local(self, terms: tuple[Term, ...], traces: tuple[Values, ...], along: Index, into: int, time: Time) -> Array:
         """Return the derivative ∂_s^along ∂_y^into of a sum of terms in the axes (s, n) of the face; ``into`` ≤ 1."""
         dtype = np.result_type(traces[0][along], traces[1][along], self.y)
         components = np.empty((1 + terms[-1].row, *self.y.shape, *np.shape(time)), dtype=dtype)

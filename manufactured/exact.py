@@ -98,7 +98,7 @@ def require_inside(body: Body, x: Points) -> None:
         )
 
 
-def require_times(T: float, time: Array | complex) -> None:
+def require_times(T: float, time: Time) -> None:
     """Raise ValueError if a time lies outside [0, T] by more than round-off."""
     times = np.asarray(time).real.reshape(-1)
     # Comparisons with NaN are false, so the condition is written such that NaN is refused.
@@ -331,27 +331,27 @@ class Fields:
     def _law_at_times(self) -> PointLaw:
         return self.solution.law.at(self.x[..., None])
 
-    def _law(self, time: Array | complex) -> PointLaw:
+    def _law(self, time: Time) -> PointLaw:
         return self._law_at_times if np.ndim(time) else self.law
 
-    def _total(self, quantity: str, time: Array | complex, rate: bool = False) -> Array:
+    def _total(self, quantity: str, time: Time, rate: bool = False) -> Array:
         """Return the sum of a quantity, such as "strain", or of its rate, over all displacement fields."""
         require_times(self.solution.body.T, time)
         return reduce(np.add, map(methodcaller(quantity, time, rate=rate), self._parts))
 
-    def displacement(self, time: Array | complex) -> Vectors:
+    def displacement(self, time: Time) -> Vectors:
         """Return the displacement u, (d, ...)."""
         return self._total("displacement", time)
 
-    def velocity(self, time: Array | complex) -> Vectors:
+    def velocity(self, time: Time) -> Vectors:
         """Return the velocity u̇, (d, ...)."""
         return self._total("displacement", time, rate=True)
 
-    def strain(self, time: Array | complex) -> Tensors:
+    def strain(self, time: Time) -> Tensors:
         """Return the strain ε(u), (D, ...)."""
         return self._total("strain", time)
 
-    def strain_rate(self, time: Array | complex) -> Tensors:
+    def strain_rate(self, time: Time) -> Tensors:
         """Return the strain rate ε(u̇), (D, ...)."""
         return self._total("strain", time, rate=True)
 
@@ -363,15 +363,15 @@ class Fields:
         """
         return [part.modes() for part in self._parts]
 
-    def strain_gradient(self, time: Array | complex) -> Array:
+    def strain_gradient(self, time: Time) -> Array:
         """Return the derivatives ∂_j of the strain ε(u), (D, d, ...)."""
         return self._total("strain_gradient", time)
 
-    def stress(self, time: Array | complex) -> Tensors:
+    def stress(self, time: Time) -> Tensors:
         """Return the stress σ = A ε(u̇) + G ε(u) of (2.1), (D, ...)."""
         return self._law(time).stress(self.strain_rate(time), self.strain(time))
 
-    def body_force(self, time: Array | complex) -> Vectors:
+    def body_force(self, time: Time) -> Vectors:
         """Return the body force f_0 = −Div σ of (2.2), (d, ...).
 
         It is computed by ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], plus the derivatives of the material factors.
@@ -392,7 +392,7 @@ class Fields:
         )
         return ForceModes(viscous, elastic)
 
-    def surface_load(self, part: Part, time: Array | complex) -> Vectors:
+    def surface_load(self, part: Part, time: Time) -> Vectors:
         """Return the traction f_2 = σν of (2.4) at the points, which must lie on ``part``, (d, ...)."""
         return traction(self.stress(time), part.normal)
 

@@ -249,14 +249,10 @@ class SingularAtPoints:
             return None if dx or dy else 1.0
         r = np.sqrt(x * x + y * y)
         safe = np.where(r.real > 0, r, 1.0)
-        # The gradient of r is the unit vector (x, y)/r.
-        slopes = [x / safe] * dx + [y / safe] * dy
-        chi = [self.field.radial(r, k) for k in range(len(slopes) + 1)]
-        if len(slopes) < 2:
-            return chi[-1] * math.prod(slopes)
-        both = slopes[0] * slopes[1]
-        same = 1.0 if dx != 1 else 0.0
-        return chi[2] * both + chi[1] / safe * (same - both)
+        # The gradient of r is the unit vector n = (x, y)/r, and ∂_i n_j = (δ_ij − n_i n_j)/r.
+        slopes = math.prod([x / safe] * dx + [y / safe] * dy)
+        chi = self.field.radial(r, dx + dy) * slopes
+        return chi if dx + dy < 2 else chi + self.field.radial(r, 1) / safe * (float(dx != 1) - slopes)
 
 
 # A singular displacement field whose singular point moves along a straight piece of the contact boundary.
