@@ -584,7 +584,7 @@ class Lifting:
         # memory.
         on_face, count = self.on_face, self.s[0].size
 
-        def amplitudes(time: Array | float, rate: bool) -> Array:
+        def amplitudes(time: Time, rate: bool) -> Array:
             data = on_face(time, rate, order)
             found = np.array([data[source][along] for source, along in traces])
             return found.reshape(len(traces), count, *np.shape(time))

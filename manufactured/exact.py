@@ -407,17 +407,17 @@ class FaceFields:
         self.solution, self.face, self.s = solution, face, s
         self._fields = solution.at(face.part.point(s))
 
-    def _value(self, jet: Jet, time: Array | float) -> Array:
+    def _value(self, jet: Jet, time: Time) -> Array:
         """Return the value of a formula at the points and a time."""
         require_times(self.solution.body.T, time)
         return jet(with_time_axis(self.s, time), time)[(0,) * len(self.s)]
 
-    def pressure(self, time: Array | float) -> Array:
+    def pressure(self, time: Time) -> Array:
         """Return the pressure p = −σ_ν, computed from the stress of the whole solution, (...)."""
         normal = self.face.part.normal
         return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
 
-    def stated_pressure(self, time: Array | float) -> Array:
+    def stated_pressure(self, time: Time) -> Array:
         """Return the prescribed contact pressure; if none was prescribed, the pressure from the stress, (...)."""
         jet = self.face.pressure_jet
         return self.pressure(time) if jet is None else self._value(jet, time)
@@ -465,7 +465,7 @@ class FaceFields:
             found |= {f"z_{i + 1}": pair(jet(self.s, time, 1)) for i, jet in enumerate(self.face.jets[1:])}
         return found
 
-    def gap(self, time: Array | float) -> Array:
+    def gap(self, time: Time) -> Array:
         """Return the gap w = g − u_ν, the distance from the foundation, (...)."""
         return self._value(self.face.gap_jet, time)
 
@@ -473,6 +473,6 @@ class FaceFields:
         """Return the initial gap g, the distance of the undeformed body from the foundation, (...)."""
         return self._value(self.face.initial_gap_jet, 0.0)
 
-    def level(self, time: Array | float) -> Array:
+    def level(self, time: Time) -> Array:
         """Return the level function ψ, (...); the contact zone is {ψ ≥ 0}."""
         return self._value(self.face.level_jet, time)

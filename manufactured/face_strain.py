@@ -364,7 +364,7 @@ class SmoothFront:
         return np.concatenate([*filled, np.empty((rows, 0))], axis=1)
 
     def _passes(self, points: Array, T: float) -> Array:
-        coarse, fine = (self._between(_grid(points, T, count), points, T) for count in SEARCH_INTERVALS)
+        coarse, fine = (self._between(count, points, T) for count in SEARCH_INTERVALS)
         if (abs(self._beyond_for(coarse, points, T) - self._beyond_for(fine, points, T)) > SURE * T).any():
             raise FormulaError(
                 f"{self.formula}: the front turns so often that {SEARCH_INTERVALS[1]} times in [0, {T:g}] do not show "
@@ -372,8 +372,9 @@ class SmoothFront:
             )
         return fine
 
-    def _between(self, grid: Array, points: Array, T: float) -> Array:
-        """Return the times at which ψ changes its sign, searched between grid times and turning points of ψ."""
+    def _between(self, count: int, points: Array, T: float) -> Array:
+        """Return the times at which ψ changes its sign, searched in ``count`` intervals and between turning points."""
+        grid = np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
         turns = self._changes(self.slope, points, grid, T)
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 
@@ -406,11 +407,6 @@ class SmoothFront:
         found[interval, point] = high
         most = np.bincount(point).max(initial=0)
         return np.sort(found, axis=0)[:most]
-
-
-def _grid(points: Array, T: float, count: int) -> Array:
-    """Return the ends of ``count`` equal intervals of [0, T], repeated for all points, (count + 1, N)."""
-    return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
 
 
 def _positive(of: Function, points: Array, time: Array) -> Array:

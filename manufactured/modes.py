@@ -35,7 +35,7 @@ class Modes:
     shapes: Array
     places: Array
     count: int
-    amplitudes: Callable[[Array | float, bool], Array]
+    amplitudes: Callable[[Time, bool], Array]
 
     def among(self, first: int, stop: int) -> Modes:
         """Return the strain at the points with the numbers first, …, stop − 1, which are numbered again from 0."""
@@ -59,7 +59,7 @@ def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Mod
     """
     places = np.arange(count)
 
-    def amplitudes(time: Array | float, rate: bool) -> Array:
+    def amplitudes(time: Time, rate: bool) -> Array:
         return field(time, rate).reshape(rows, count, *np.shape(time))
 
     return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)

@@ -188,7 +188,7 @@ class SingularAtPoints:
         shapes = self._strain.reshape(len(self._strain), -1)
         field, count = self.field, len(shapes)
 
-        def amplitudes(time: Array | float, rate: bool) -> Array:
+        def amplitudes(time: Time, rate: bool) -> Array:
             return np.broadcast_to(field.at_time(time, rate), (count, 1, *np.shape(time)))
 
         points = np.flatnonzero(shapes.any(axis=0))

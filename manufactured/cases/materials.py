@@ -1,12 +1,14 @@
 """Cases with nonlinear, anisotropic, heterogeneous or softening material laws; the front is smooth."""
 
+from dataclasses import replace
+
 import numpy as np
 from sympy import Expr, Rational, exp, sin
 
 from manufactured import profile
-from manufactured.body import Body, Kind, Part, polygon, unit_square
+from manufactured.body import Body, Kind, Part, unit_square
 from manufactured.case import Case
-from manufactured.cases.shared import SLIP, not_proportional, two_layers, with_one_face
+from manufactured.cases.shared import SLIP, not_proportional, turn, two_layers, with_one_face
 from manufactured.catalogue import NO_POTENTIAL
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
@@ -183,8 +185,8 @@ def anisotropic_law() -> KelvinVoigt:
 
 def _turned(matrix: list[list[float]], angle: float) -> Array:
     """Return a tensor in Mandel form after a rotation of its axes."""
-    turn = rotation(np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]))
-    C = turn @ np.array(matrix) @ turn.T
+    turned_axes = rotation(turn(angle))
+    C = turned_axes @ np.array(matrix) @ turned_axes.T
     return (C + C.T) / 2
 
 
@@ -260,8 +262,8 @@ def layered() -> Case:
     exponent m = 3 of the pressure by one, to 2 > 3/2. This gives (5.36) in each layer, but not across the interface.
     That is enough: the proof of Prop. 5.4 uses H² in (5.23) cell by cell, and no cell lies in both layers.
     """
-    sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], sides, interfaces=[((0, 0.5), (1, 0.5))])
+    interface = Part(Kind.INTERFACE, np.array([[0.0, 1.0], [0.5, 0.5]]))
+    body = replace(unit_square(), interfaces=(interface,))
     return Case(
         name="layered",
         summary="two layers, the interface y = 1/2 is met by the meshes",

@@ -12,6 +12,7 @@ from manufactured.cases.shared import (
     SLIP,
     not_proportional,
     proportional,
+    turn,
     with_faces,
     with_one_face,
     without_contraction,
@@ -311,10 +312,8 @@ def rotated() -> Case:
 
     On structured meshes every error must equal the error of ``advance_recede`` up to round-off.
     """
-    angle, shift = 0.4, np.array([[3.0], [-1.0]])
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     square = unit_square()
-    corners = turn @ square.vertices + shift
+    corners = turn(0.4) @ square.vertices + np.array([[3.0], [-1.0]])
     body = polygon([(x, y) for x, y in corners.T], [part.kind for part in square.parts])
     plain = advance_recede()
     return replace(

@@ -15,6 +15,7 @@ from manufactured.exact import ExactSolution
 from manufactured.factor import UNIFORM, Factor, layers
 from manufactured.law import KelvinVoigt, Linear, isotropic
 from manufactured.symbols import s, t
+from manufactured.tensors import Array
 
 SLIP: Expr = t * (1 + t) * sin(2 * s + 1)
 """The formula of a slip z(s, t), a tangential displacement on the contact face, that cases use with a factor."""
@@ -96,6 +97,11 @@ def with_one_face(body: Body, law: KelvinVoigt, **data: Any) -> ExactSolution:
         data: the contact data, such as gap, pressure and level, as keyword arguments of ``ContactFace.linear``.
     """
     return with_faces(body, law, data)
+
+
+def turn(angle: float) -> Array:
+    """Return the matrix of a rotation in the plane, counter-clockwise by an angle."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def l_shape(refine: tuple[tuple[float, float], ...]) -> Body:
