@@ -21,13 +21,11 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import scipy.sparse as sps
-import sympy as sp
 from scipy.interpolate import make_interp_spline
 from scipy.spatial import cKDTree
 from skfem import Mesh
 
 from manufactured.body import Kind
-from manufactured.compiled import Jet
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, FaceFields
 from manufactured.gauss import composite_gauss
@@ -58,7 +56,7 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.meshes import posed, space_of, split
+from study.statements.shared.meshes import posed, split
 from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
 
@@ -276,7 +274,7 @@ def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
         * the fraction |N|/h of the edge, of length h, with a gap, (n,);
         * the work over its bound without the factor β, |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
-    found = [(np.empty((0, FIRST[0].size)), np.empty(0), np.empty(0))]
+    found = []
     for face, part in product(solution.faces, EDGE_TIMES):
         time = part * solution.body.T
         corners = space.mesh.p[:, space.mesh.facets[:, space.facets(face.part)]]
@@ -284,8 +282,6 @@ def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
         touching = face.level_jet(linear(ends, FIRST[0])[None], time)[(0,)] >= 0
         changes = np.count_nonzero(np.diff(touching), axis=1)
         chosen = (changes >= 1) & (changes <= CHANGES)
-        if not chosen.any():
-            continue
         ends = ends[:, chosen]
         touching = touching[chosen]
         places = [linear(ends, x) for x, _ in (FIRST, SECOND)]
@@ -629,10 +625,8 @@ class WorkOfContact(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> Numbers:
-        case = resolve(setting.case)
-        space = space_of(setting)
-        steps = rate_steps(space.body.T, setting.level, case.pace)
-        solution = case.solution
+        space, solution = posed(setting)
+        steps = rate_steps(space.body.T, setting.level, resolve(setting.case).pace)
         at = Resolved(solution, space)
         v_norm = at.v_norm
         inclusion = at.inclusion
@@ -777,9 +771,8 @@ class Trajectories:
         T = on.at.space.body.T
         k = step_size(T, steps)
         N = on.at.space.N
-        pressing = pressing_on(on.at)
-        projected = np.array([on.condensed.gap(on.functional(n * k)) for n in range(steps + 1)])
-        forces = np.array([N @ pressing((n + 0.5) * k) for n in range(steps)])
+        projected = on.condensed.gap(np.array([on.functional(time) for time in time_nodes(T, steps)]))
+        forces = at_each(midpoints(T, steps), pressing_on(on.at)).T @ N.T
         moved = (np.diff(projected, axis=0) / k + (projected[1:] + projected[:-1]) / 2) @ on.S
 
         def during(values: Array) -> Callable[[Array], Array]:
@@ -797,8 +790,8 @@ class Trajectories:
 
         The first axis belongs to the time nodes. P_h is the projection onto V^h in (·,·)_V.
         """
-        gaps = [self.on.gap(n * self.k) for n in range(self.steps + 1)]
-        return abs(self.projected + gaps)
+        gaps = at_each(time_nodes(self.on.at.space.body.T, self.steps), self.on.gap)
+        return abs(self.projected + gaps.T)
 
     def excess(self) -> Array:
         """Return the distance ‖u^h − u^h_lin‖_V of the solutions with and without contact at time nodes, (steps + 1,).
@@ -807,7 +800,7 @@ class Trajectories:
         is a given load.
         """
         z = self.contact - self.linear
-        return np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", z, self.on.S, z, optimize=True), 0.0))
+        return np.sqrt(np.maximum(np.sum(z @ self.on.S * z, axis=1), 0.0))
 
     def displacement(self, n: int) -> Array:
         """Return the discrete displacement u^h with contact at the n-th time node, (dofs,).
@@ -1053,7 +1046,8 @@ class Rollers(ListedNumbers):
             panels = 4 * setting.level
             assert isinstance(face, FadingFace)
             nodes = np.linspace(0, face.part.measure, panels + 1)
-            q = Jet(sp.sympify(face.strain))(nodes[None], space.body.T / 2)[(0,)]
+            _, strain, _ = face.traces
+            q = strain(nodes[None], space.body.T / 2)[(0,)]
             numbers["|q|²"] = q @ gram(panels, 0.5) @ q
         if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN_FAMILIES:
             numbers["M_h beside"] = nodal_error_near_patch(solutions, 2 / setting.level)
