@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from sympy import Expr, Rational, exp, sin
+from sympy import Expr, Rational, exp
 
 from manufactured import profile
 from manufactured.body import Body, Kind, Part, unit_square
 from manufactured.case import Case
-from manufactured.cases.shared import SLIP, not_proportional, turn, two_layers, with_one_face
+from manufactured.cases.shared import BULGE, GROWING_SLIP, SLIP, not_proportional, turn, two_layers, with_one_face
 from manufactured.catalogue import NO_POTENTIAL
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
@@ -96,7 +96,7 @@ def yield_and_release() -> Case:
     (part,) = body.of(Kind.CONTACT)
     rise = edge(law, part) * (Rational(3, 2) + 2 * s * (1 - s))
     strain = pressed_and_released(law, part, 0, rise)
-    w = 8 * pos(t - RELEASE, 2) * (1 + 4 * s * (1 - s))
+    w = 8 * pos(t - RELEASE, 2) * BULGE
     slip = 3 * t / 2 + pos(RELEASE - t, 2) * (s + s**2) / 2
     return Case(
         name="yield-and-release",
@@ -298,7 +298,7 @@ def with_softening(law: KelvinVoigt) -> ExactSolution:
         pressure=20 * pos(c - s, 3),
         level=c - s,
         initial=0,
-        slip=(4 * t * sin(3 * s + Rational(1, 2)),),
+        slip=(GROWING_SLIP,),
     )
 
 

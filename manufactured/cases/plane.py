@@ -9,6 +9,8 @@ from sympy import Expr, Rational, cos, exp, sin
 from manufactured.body import Body, Kind, polygon, unit_square
 from manufactured.case import Case
 from manufactured.cases.shared import (
+    BULGE,
+    GROWING_SLIP,
     SLIP,
     not_proportional,
     proportional,
@@ -46,7 +48,7 @@ def full_contact() -> Case:
         unit_square(),
         not_proportional(),
         gap=0,
-        pressure=20 * t * (1 + 4 * s * (1 - s)),
+        pressure=20 * t * BULGE,
         level=1,
         initial=0,
         profile=cutoff(phi=PARABOLA),
@@ -82,7 +84,7 @@ def no_contact() -> Case:
     solution = with_one_face(
         unit_square(),
         not_proportional(),
-        gap=(Rational(1, 10) + t**2) * (1 + 4 * s * (1 - s)),
+        gap=(Rational(1, 10) + t**2) * BULGE,
         pressure=0,
         level=-1,
         initial=-s * (1 - s),
@@ -108,7 +110,7 @@ def _advancing_and_receding(body: Body) -> ExactSolution:
         gap=20 * pos(s - c, 4),
         pressure=20 * pos(c - s, 2),
         level=c - s,
-        slip=(4 * t * sin(3 * s + Rational(1, 2)),),
+        slip=(GROWING_SLIP,),
     )
 
 
@@ -237,13 +239,12 @@ def lift_and_land() -> Case:
     w (1 − y) + (w + q) y φ(y) (``profile.slab``), and ẇ + q̇ does not jump.
     """
     lift, land = Rational(3, 10), Rational(7, 10)
-    swell = 1 + 4 * s * (1 - s)
     impact = 2 * 40 * (land - lift) ** 2
     solution = with_one_face(
         unit_square(),
         KelvinVoigt(isotropic(1, 0), isotropic(1, 2), "linear, A without contraction"),
         gap=40 * pos(t - lift, 2) * pos(land - t, 1),
-        pressure=3000 * t * swell * pos(lift - t, 2) + (impact + 60 * (t - land) * swell) * pos(t - land, 0),
+        pressure=3000 * t * BULGE * pos(lift - t, 2) + (impact + 60 * (t - land) * BULGE) * pos(t - land, 0),
         level=(t - lift) * (t - land),
         profile=slab(),
         slip=(SLIP / 2,),
@@ -283,7 +284,7 @@ def load_w11() -> Case:
     body = unit_square(T=1.5)
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
-    strain = -(1 + 4 * s * (1 - s)) * (t + pos(t - Rational(9, 20), Rational(5, 4)) / 4)
+    strain = -BULGE * (t + pos(t - Rational(9, 20), Rational(5, 4)) / 4)
     slip = 2 * t * (Rational(3, 2) - t) * cos(s)
     face = ContactFace(part, 0, Prescribed(((body.T, strain),)), 1, cutoff(phi=PARABOLA), slip=(slip,))
     return Case(

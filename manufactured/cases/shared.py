@@ -7,7 +7,7 @@ contact face.
 from typing import Any
 
 import numpy as np
-from sympy import Expr, sin
+from sympy import Expr, Rational, sin
 
 from manufactured.body import Body, Kind, polygon
 from manufactured.contact import ContactFace
@@ -19,6 +19,10 @@ from manufactured.tensors import Array
 
 SLIP: Expr = t * (1 + t) * sin(2 * s + 1)
 """The formula of a slip z(s, t), a tangential displacement on the contact face, that cases use with a factor."""
+GROWING_SLIP: Expr = 4 * t * sin(3 * s + Rational(1, 2))
+"""The formula of a slip z(s, t) that grows in proportion to time."""
+BULGE: Expr = 1 + 4 * s * (1 - s)
+"""The formula of a factor of gap or pressure: a parabola, 1 at the ends and 2 in the middle of a face of length 1."""
 
 
 def proportional(ratio: float = 1.0) -> KelvinVoigt:
