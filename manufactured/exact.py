@@ -26,7 +26,7 @@ from manufactured.contact import (
 )
 from manufactured.law import AtPoints, KelvinVoigt, LawError, PointLaw, Scaled
 from manufactured.modes import Modes, at_each, pointwise
-from manufactured.symbols import Values
+from manufactured.symbols import Index, Values
 from manufactured.tensors import (
     Array,
     Hyperplane,
@@ -447,22 +447,22 @@ class FaceFields:
             are "w", "∂_i w", "g", "∂_i g", "(q, r)_0" for q, "(q, r)_i" for the components of r, and "z_i" for those of
             z, where i = 1, …, d − 1.
         """
-        unit = np.eye(len(self.s), dtype=int)
+        zero, first = first_indices(len(self.s))
 
-        def pair(values: Values, *index: int) -> tuple[Array, Array]:
-            base = unit[list(index)].sum(axis=0)
-            return values[tuple(map(int, base))], values[tuple(map(int, base + unit[axis]))]
+        def pair(values: Values, index: Index = zero) -> tuple[Array, Array]:
+            return values[index], values[plus(index, first[axis])]
 
-        w = self.face.gap_jet(self.s, time, 2)
-        found = {"w": pair(w)}
-        if isinstance(self.face, ContactFace):
-            strain = self.face.strain.at(self.s)(time, False, 1)
-            found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
-            if self.face.initial_gap:
-                g = self.face.initial_gap_jet(self.s, time, 2)
-                found |= {"g": pair(g)} | {f"∂_{i + 1} g": pair(g, i) for i in range(len(self.s))}
-            found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
-            found |= {f"z_{i + 1}": pair(jet(self.s, time, 1)) for i, jet in enumerate(self.face.jets[1:])}
+        if not isinstance(self.face, ContactFace):
+            return {"w": pair(self.face.gap_jet(self.s, time, 1))}
+        gaps = {"w": self.face.gap_jet} | ({"g": self.face.initial_gap_jet} if self.face.initial_gap else {})
+        found = {}
+        for name, jet in gaps.items():
+            values = jet(self.s, time, 2)
+            found[name] = pair(values)
+            found |= {f"∂_{i} {name}": pair(values, along) for i, along in enumerate(first, start=1)}
+        strain = self.face.strain.at(self.s)(time, False, 1)
+        found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
+        found |= {f"z_{i}": pair(jet(self.s, time, 1)) for i, jet in enumerate(self.face.jets) if i}
         return found
 
     def gap(self, time: Time) -> Array:

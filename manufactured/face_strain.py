@@ -295,8 +295,7 @@ def front(formula: sp.Expr, variables: Symbols) -> Front:
     """
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
-    symbols = (*variables, t)
-    return SmoothFront(formula, function(symbols, [formula]), function(symbols, [sp.diff(formula, t)]))
+    return SmoothFront(Jet(formula, variables))
 
 
 @dataclass(frozen=True)
@@ -343,14 +342,10 @@ class SmoothFront:
     Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root. It is found by bisection.
 
     Attributes:
-        formula: the formula of ψ, for messages.
-        level: the function from s and t to a list with the value of ψ.
-        slope: the function from s and t to a list with the value of ∂_t ψ.
+        level: evaluates ψ.
     """
 
-    formula: sp.Expr
-    level: Function
-    slope: Function
+    level: Jet
 
     def passes(self, points: Array, T: float) -> Array:
         """Return the times at which the contact front passes given points, with the shapes of ``Front.passes``.
@@ -367,15 +362,15 @@ class SmoothFront:
         coarse, fine = (self._between(count, points, T) for count in SEARCH_INTERVALS)
         if (abs(self._beyond_for(coarse, points, T) - self._beyond_for(fine, points, T)) > SURE * T).any():
             raise FormulaError(
-                f"{self.formula}: the front turns so often that {SEARCH_INTERVALS[1]} times in [0, {T:g}] do not show "
-                "when it passes a point; take a slower motion or a shorter time"
+                f"{self.level.expression}: the front turns so often that {SEARCH_INTERVALS[1]} times in [0, {T:g}] do "
+                "not show when it passes a point; take a slower motion or a shorter time"
             )
         return fine
 
     def _between(self, count: int, points: Array, T: float) -> Array:
         """Return the times at which ψ changes its sign, searched in ``count`` intervals and between turning points."""
         grid = np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
-        turns = self._changes(self.slope, points, grid, T)
+        turns = self._changes(self.level.rate(), points, grid, T)
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
@@ -386,11 +381,11 @@ class SmoothFront:
     def beyond(self, points: Array, time: Array) -> Array:
         return _positive(self.level, points, time)
 
-    def _changes(self, of: Function, points: Array, times: Array, T: float) -> Array:
+    def _changes(self, of: Jet, points: Array, times: Array, T: float) -> Array:
         """Return the times at which a function changes its sign between given times.
 
         Args:
-            of: the function.
+            of: evaluates the function.
             points: the N points, (d − 1, N).
             times: the times between which a change of sign is searched, (n, N).
             T: the final time, which stands for missing times in the result.
@@ -409,8 +404,8 @@ class SmoothFront:
         return np.sort(found, axis=0)[:most]
 
 
-def _positive(of: Function, points: Array, time: Array) -> Array:
-    return np.broadcast_to(of(*points, time)[0], time.shape) > 0
+def _positive(of: Jet, points: Array, time: Array) -> Array:
+    return of(points, time)[(0,) * len(points)] > 0
 
 
 def real_roots(coefficients: Array, T: float) -> Array:
