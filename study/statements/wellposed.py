@@ -43,7 +43,7 @@ from study.fem.space import Space, form, on_cells
 from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Check, Groups, consequence, identity, paper_claim
 from study.ledger.quantities import change, finest, ratios
 from study.ledger.window import Window, around, at_most, between, positive_at_most
-from study.solve.evolution import FIXED_POINT, SemiDiscrete, State, furthest, norm, norms, path
+from study.solve.evolution import FIXED_POINT, SemiDiscrete, furthest, norm, norms, path
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import ContactSolution, Signorini
 from study.solve.stress_problem import Accuracy, settings
@@ -70,6 +70,7 @@ from study.statements.shared.norms import (
     maximum,
     smallest,
     strain_product,
+    time_nodes,
     unloaded,
 )
 from study.statements.thm_4_2 import StressExperiment, norm_in_q
@@ -251,14 +252,14 @@ class Dependence(ListedNumbers):
 
     def measure(self, setup: Experiment) -> Numbers:
         omega = setup.solution.law.kappa
-        trajectory = list(setup.march(setup.steps))
+        states = np.array([state.u for state in setup.march(setup.steps)])
         others = perturbations(setup.problem, setup.space)
-        ratios = np.array([quotients(setup.problem, trajectory, other) for other in others])
-        damped = ratios * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
+        ratios = np.array([quotients(setup.problem, states, other) for other in others])
+        damped = ratios * np.exp(-omega * time_nodes(setup.problem.T, setup.steps)[1:])
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": ratios.max(), "first step": damped[0, 0]})
 
 
-def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscrete) -> Array:
+def quotients(problem: SemiDiscrete, states: Array, other: SemiDiscrete) -> Array:
     """Return the distance of two discrete solutions divided by the size of the perturbation, for each step, (steps,).
 
     The quotients are ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …, with the
@@ -266,13 +267,13 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscret
 
     Args:
         problem: the unperturbed problem.
-        trajectory: its solution u_n by backward Euler at all time nodes, with u_0 first.
+        states: its solution u_n by backward Euler at all time nodes, with u_0 first, (steps + 1, dofs).
         other: the problem with another load or another initial displacement, which is solved here.
     """
-    steps = len(trajectory) - 1
+    steps = len(states) - 1
     riesz = Cholesky(problem.M)
-    times = np.array([state.time for state in trajectory[1:]])
-    distances = norms(problem, np.array([state.u for state in trajectory]) - path(other, BACKWARD_EULER, steps))
+    times = time_nodes(problem.T, steps)[1:]
+    distances = norms(problem, states - path(other, BACKWARD_EULER, steps))
     loads = dual_norm((other.load(times) - problem.load(times)).T, riesz)
     return distances[1:] / (distances[0] + problem.T / steps * np.cumsum(loads))
 
@@ -554,12 +555,12 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     steps = steps_for(law, T)
     pace = setup.problem.T / T
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)
-    trajectory = list(BACKWARD_EULER.march(problem, steps))
+    states = path(problem, BACKWARD_EULER, steps)
     field = along_the_contact(problem, smooth(space, np.random.default_rng(SEED)))
     sideways = replace(problem, u0=problem.u0 + field)
     damping = (1 - law.growth * T / steps) ** np.arange(1, steps + 1)
     others = *islice(perturbations(problem, space), PERTURBATION_KINDS), sideways
-    return maximum((damping * quotients(problem, trajectory, other)).max() for other in others)
+    return maximum((damping * quotients(problem, states, other)).max() for other in others)
 
 
 STEPS = 12
