@@ -86,12 +86,13 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
         large = np.flatnonzero(sides > wanted(corners) * (1 + 1e-9))
         if not large.size:
             return mesh, inclusion
+        # The vertices of the finer mesh are old vertices and midpoints of old edges.
+        interpolation = with_midpoints(mesh)
         finer = mesh.refined(large)
-        old = mesh.p.shape[1]
-        distance, edge = cKDTree(mesh.p[:, mesh.facets].mean(axis=1).T).query(finer.p[:, old:].T)
-        if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
-            raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges")
-        inclusion = sps.csr_array(with_midpoints(mesh)[np.concatenate([np.arange(old), old + edge])] @ inclusion)
+        distance, rows = cKDTree(interpolation @ mesh.p.T).query(finer.p.T)
+        if distance.max() >= 1e-12:
+            raise ValueError("a vertex of the finer mesh is no old vertex and no midpoint of an old edge")
+        inclusion = sps.csr_array(interpolation[rows] @ inclusion)
         mesh = finer
     raise ValueError(
         f"{large.size} cells are still larger than wanted after {MOST_REFINEMENTS} refinements; ask for a positive, "
