@@ -549,59 +549,6 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
         yield displacements.nodal(state.u), act(viscous, rate) + act(elastic, strain)
 
 
-def measure(experiment: StressExperiment) -> Numbers:
-    """Solve the stress and the displacement problem by BDF2, and return the measured columns of ``stresses.csv``.
-
-    The columns are relative errors of the stress problem against the exact solution, relative differences between both
-    problems, and diagnostics. Errors and differences are in L²(0,T); the error in the column "stress_sup" is the
-    largest over time.
-
-    Args:
-        experiment: the stress problem. The displacement problem has the same mesh and time steps.
-    """
-    space = experiment.space
-    exact = Exact(experiment.solution, space)
-    clamped = len(space.edges_on(Kind.CLAMPED))
-    primal = primal_solution(experiment.solution, space, experiment.steps)
-    coarse = experiment.companion()
-    steps = []
-    drift = []
-    for n, state in enumerate(experiment.march(), start=1):
-        stress = state.stress
-        strain = exact.inside.strain(state.time)
-        moments = exact.moments(state.time)
-        nodal, primal_stress = next(primal)
-        error, best, size_of_stress = exact.stress(state.time, stress.values)
-        errors = {
-            "stress": error,
-            "best": best,
-            "exact stress": size_of_stress,
-            "strain": norm_in_q(strain - state.strain, space),
-            "exact strain": norm_in_q(strain, space),
-            "pressure": exact.pressure(state.time, stress.tractions),
-            "primal_stress": norm_in_q(stress.values - primal_stress, space),
-            "displacement": exact.mean_square(stress.moments - moments),
-            "primal_displacement": exact.mean_square(stress.moments - exact.moments_of(nodal)),
-            "exact displacement": exact.mean_square(moments),
-            "admissibility": inadmissible(space, state),
-        }
-        steps.append(errors)
-        if n % 2 == 0:
-            drift.append(norm_in_q(next(coarse).stress.values - stress.values, space))
-    history = pd.DataFrame(steps)
-    largest = history.max(skipna=False)
-    mean = np.sqrt((history**2).mean(skipna=False))
-    return {
-        "h": size(space.mesh),
-        "steps": experiment.steps,
-        "unknowns": 2 * (space.degree + 1) * (len(space.lengths) - clamped),
-        **{name: mean[name] / mean[f"exact {size}"] for name, size in RELATIVE_TO.items()},
-        "stress_sup": largest["stress"] / largest["exact stress"],
-        "admissibility": largest["admissibility"],
-        "time_share": np.sqrt(np.mean(np.square(drift))) / mean["stress"],
-    }
-
-
 def inadmissible(space: StressSpace, state: DualState) -> float:
     """Return how far a discrete stress is from admissible: its largest violation divided by its largest traction.
 
@@ -810,7 +757,56 @@ class OwnSpace(Statement):
         return StressExperiment.at(setting, self.steps(setting))
 
     def measure(self, setup: StressExperiment) -> Numbers:
-        return measure(setup)
+        """Solve the stress and the displacement problem by BDF2, and return the measured columns of ``stresses.csv``.
+
+        The columns are relative errors of the stress problem against the exact solution, relative differences between
+        both problems, and diagnostics. Errors and differences are in L²(0,T); the error in the column "stress_sup" is
+        the largest over time.
+
+        Args:
+            setup: the stress problem. The displacement problem has the same mesh and time steps.
+        """
+        space = setup.space
+        exact = Exact(setup.solution, space)
+        clamped = len(space.edges_on(Kind.CLAMPED))
+        primal = primal_solution(setup.solution, space, setup.steps)
+        coarse = setup.companion()
+        steps = []
+        drift = []
+        for n, state in enumerate(setup.march(), start=1):
+            stress = state.stress
+            strain = exact.inside.strain(state.time)
+            moments = exact.moments(state.time)
+            nodal, primal_stress = next(primal)
+            error, best, size_of_stress = exact.stress(state.time, stress.values)
+            errors = {
+                "stress": error,
+                "best": best,
+                "exact stress": size_of_stress,
+                "strain": norm_in_q(strain - state.strain, space),
+                "exact strain": norm_in_q(strain, space),
+                "pressure": exact.pressure(state.time, stress.tractions),
+                "primal_stress": norm_in_q(stress.values - primal_stress, space),
+                "displacement": exact.mean_square(stress.moments - moments),
+                "primal_displacement": exact.mean_square(stress.moments - exact.moments_of(nodal)),
+                "exact displacement": exact.mean_square(moments),
+                "admissibility": inadmissible(space, state),
+            }
+            steps.append(errors)
+            if n % 2 == 0:
+                drift.append(norm_in_q(next(coarse).stress.values - stress.values, space))
+        history = pd.DataFrame(steps)
+        largest = history.max(skipna=False)
+        mean = np.sqrt((history**2).mean(skipna=False))
+        return {
+            "h": size(space.mesh),
+            "steps": setup.steps,
+            "unknowns": 2 * (space.degree + 1) * (len(space.lengths) - clamped),
+            **{name: mean[name] / mean[f"exact {size}"] for name, size in RELATIVE_TO.items()},
+            "stress_sup": largest["stress"] / largest["exact stress"],
+            "admissibility": largest["admissibility"],
+            "time_share": np.sqrt(np.mean(np.square(drift))) / mean["stress"],
+        }
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         judged: list[Verdict] = []
