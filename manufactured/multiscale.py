@@ -11,7 +11,7 @@ import sympy as sp
 from sympy import Expr, Rational, exp, pi, prod, sin, sqrt
 
 from manufactured.arguments import Size, checked
-from manufactured.body import Body, Kind, polygon, unit_square
+from manufactured.body import Kind, polygon, unit_square
 from manufactured.case import Case
 from manufactured.cases.shared import not_proportional
 from manufactured.compiled import Jet, function
@@ -258,12 +258,7 @@ def multiscale() -> tuple[Case, ...]:
 
 def static() -> Case:
     """Return the case trains of ``multiscale``: fixed contact patches under a growing pressure."""
-    return _train_case(
-        "trains",
-        "patches of contact of seven widths",
-        [_piece(j, t, -_wave(j)) for j in range(TRAINS)],
-        Regularity(gap=4, pressure=2),
-    )
+    return _train_case("trains", "patches of contact of seven widths", t, 0, Regularity(gap=4, pressure=2))
 
 
 def breathing() -> Case:
@@ -272,7 +267,8 @@ def breathing() -> Case:
     return _train_case(
         "breathing-trains",
         "patches of contact of seven widths that widen and narrow again",
-        [_piece(j, 1, mu - _wave(j)) for j in range(TRAINS)],
+        1,
+        mu,
         Regularity(gap=4, pressure=2, moving=True),
     )
 
@@ -294,30 +290,26 @@ class StripFace(ContactFace):
         return Lifting(self, x - np.multiply.outer(self.part.normal, 2 * self.profile.depth * outside))
 
 
-Piece = tuple[float, Expr, Expr, Expr]
-"""The data of a train of contact patches: depth of its displacement, and formulas of gap w, pressure p and level ψ."""
+def _train_case(name: str, summary: str, growth: Expr, mu: Expr, regularity: Regularity) -> Case:
+    """Return a case with trains of contact patches.
 
-
-def _wave(j: int) -> Expr:
-    return sin(pi * (s / _width(j) + Rational(29, 100)))
-
-
-def _width(j: int) -> Expr:
-    return Rational(1, 2 ** (j + 3))
-
-
-def _piece(j: int, growth: Expr, level: Expr) -> Piece:
-    width, fade = _width(j), (4 * s * (LENGTH - s) / LENGTH**2) ** 3
-    w = GAP_FACTOR * growth * width * sqrt(width) * fade * pos(-level, 4)
-    p = PRESSURE_FACTOR * growth * sqrt(width) * fade * pos(level, 2)
-    return float(width) / 4, w, p, level
-
-
-def _train_case(name: str, summary: str, pieces: list[Piece], regularity: Regularity) -> Case:
-    body, law = _body(), not_proportional()
+    Args:
+        name, summary, regularity: attributes of the case.
+        growth: a factor of gap and pressure, a formula of t.
+        mu: μ in the level function ψ = μ − S, a formula of t.
+    """
+    # The bottom of the unit square is divided into parts, one for each train.
+    bottom = [(float(k * LENGTH), 0.0) for k in range(TRAINS + 1)]
+    kinds = [Kind.CONTACT] * TRAINS + [Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    body, law = polygon([*bottom, (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], kinds), not_proportional()
+    fade = (4 * s * (LENGTH - s) / LENGTH**2) ** 3
     faces = []
-    for part, (depth, gap, pressure, level) in zip(body.of(Kind.CONTACT), pieces, strict=True):
-        profile = cutoff(depth, QUARTIC)
+    for j, part in enumerate(body.of(Kind.CONTACT)):
+        width = Rational(1, 2 ** (j + 3))
+        level = mu - sin(pi * (s / width + Rational(29, 100)))
+        gap = GAP_FACTOR * growth * width * sqrt(width) * fade * pos(-level, 4)
+        pressure = PRESSURE_FACTOR * growth * sqrt(width) * fade * pos(level, 2)
+        profile = cutoff(float(width) / 4, QUARTIC)
         faces.append(StripFace.linear(part, law, body.T, gap, pressure, level, profile=profile))
     return Case(
         name=name,
@@ -328,13 +320,6 @@ def _train_case(name: str, summary: str, pieces: list[Piece], regularity: Regula
         reason="α = 4 and m = 2 give (5.36), but the trace is large in H²(Γ3): order 1 where trains are resolved",
         pace=2,
     )
-
-
-def _body() -> Body:
-    """Return the unit square whose bottom is divided into parts, one for each train."""
-    bottom = [(float(k * LENGTH), 0.0) for k in range(TRAINS + 1)]
-    kinds = [Kind.CONTACT] * TRAINS + [Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    return polygon([*bottom, (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], kinds)
 
 
 FINAL_TIME = 0.7
@@ -440,7 +425,7 @@ def standing(name: str, width: Expr) -> Case:
     """
     xi = s - MIDDLE
     place = xi / width
-    bump = pos(1 - (xi / width) ** 2, 4)
+    bump = pos(1 - place**2, 4)
     since = [(t - start) / width for start in LANDINGS]
     pulses = [(exp(start - t), z) for start, z in zip(LANDINGS, since, strict=True)]
     lifted = prod([step(-z) + step(z - 1) for z in since])
