@@ -254,26 +254,6 @@ TINY_START = 1e-12
 """An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
 
 
-def recompute(setup: Experiment) -> Numbers:
-    """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
-
-    The columns are the largest errors of the second solver over time, and the differences of both solvers (``gaps``).
-    Both solvers use half the time step of the experiment, because ``rates.csv`` has the errors with half the time step.
-
-    Args:
-        setup: the experiment, which the first solver solves as well.
-    """
-    plain = PlainProblem(setup.solution, setup.space.mesh)
-    steps = 2 * setup.steps
-    own_load, same_load = (plain.trajectory(steps, load) for load in (plain.load, setup.problem.load))
-    errors = []
-    for n, u in enumerate(own_load[0]):
-        time = n * setup.problem.T / steps
-        interpolant = plain.interpolant(time)
-        errors.append([*plain.distance(time, u, interpolant), plain.norm(interpolant - u)])
-    return dict(zip(SECOND_ERRORS, np.max(errors, axis=0), strict=True)) | gaps(setup, plain, own_load, same_load)
-
-
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
     """Return the relative differences between the study and the second solver, by the names of columns.
 
@@ -408,7 +388,25 @@ class Recomputed(Statement):
         return Experiment.at(setting, MIDPOINT, setting.steps)
 
     def measure(self, setup: Experiment) -> Numbers:
-        return {"h": setup.space.h, **recompute(setup)}
+        """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
+
+        The columns are the largest errors of the second solver over time, and the differences of both solvers
+        (``gaps``). Both solvers use half the time step of the experiment, because ``rates.csv`` has the errors with
+        half the time step.
+
+        Args:
+            setup: the experiment, which the first solver solves as well.
+        """
+        plain = PlainProblem(setup.solution, setup.space.mesh)
+        steps = 2 * setup.steps
+        own_load, same_load = (plain.trajectory(steps, load) for load in (plain.load, setup.problem.load))
+        errors = []
+        for n, u in enumerate(own_load[0]):
+            time = n * setup.problem.T / steps
+            interpolant = plain.interpolant(time)
+            errors.append([*plain.distance(time, u, interpolant), plain.norm(interpolant - u)])
+        largest = dict(zip(SECOND_ERRORS, np.max(errors, axis=0), strict=True))
+        return {"h": setup.space.h, **largest, **gaps(setup, plain, own_load, same_load)}
 
     def memory(self, setting: RateSetting) -> float:
         return estimates.SMALL_MEMORY if setting.dim == 2 else estimates.SOLID_MEMORY
