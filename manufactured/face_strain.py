@@ -646,7 +646,7 @@ class Prescribed:
 
 NO_STRESS = sp.Integer(0)
 RECENT = 3
-"""Number of times for which ``MemoryAtPoints`` keeps computed values of the strain."""
+"""Number of times for which the method ``Memory.at`` keeps computed values of the strain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -745,90 +745,80 @@ class Memory:
         )
 
     def at(self, points: Array) -> StrainAtPoints:
-        return MemoryAtPoints(self, points)
+        flat = points.reshape(points.shape[0], -1)
+        contacts = [contact_integrals(term, flat, self) for term in self.terms]
+        start = lru_cache(partial(self.start, flat, 0.0))
 
-
-class MemoryAtPoints:
-    """Evaluates the normal strain q, which the history of the contact pressure determines, at fixed points of a face.
-
-    Calls have the arguments and the result of ``StrainAtPoints``. The time intervals of contact at each point, and
-    integrals of the pressure over past intervals, are computed once.
-    """
-
-    def __init__(self, memory: Memory, points: Array) -> None:
-        self.memory = memory
-        self.points = points
-        self.flat = points.reshape(points.shape[0], -1)
-        self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
-        self._start = lru_cache(partial(memory.start, self.flat, 0.0))
         # Strains are cached, because a stress needs strain and strain rate at one time, and several computations need
         # the same times.
-        self._found = lru_cache(RECENT)(self._strain)
+        @lru_cache(RECENT)
+        def at_times(when: tuple[float, ...] | complex, order: int) -> Values:
+            time = np.array(when) if isinstance(when, tuple) else when
+            fading = np.exp(-self.decay * time)
+            kind = np.result_type(flat, time)
+            totals = {
+                index: np.multiply.outer(value, fading).astype(kind, copy=False)
+                for index, value in start(order).items()
+            }
+            for subtract in contacts:
+                subtract(totals, time, order)
+            shape = (*points.shape[1:], *np.shape(time))
+            return {index: total.reshape(shape) for index, total in totals.items()}
 
-    def __call__(self, time: Time, rate: bool, order: int) -> Components:
-        strain = self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
-        if not rate:
-            return (strain,)
-        source = self.memory.source_jet(with_time_axis(self.points, time), time, order)
-        return ({index: -source[index] - self.memory.decay * value for index, value in strain.items()},)
+        def strain(time: Time, rate: bool, order: int) -> Components:
+            values = at_times(tuple(time) if isinstance(time, np.ndarray) else time, order)
+            if not rate:
+                return (values,)
+            source = self.source_jet(with_time_axis(points, time), time, order)
+            return ({index: -source[index] - self.decay * value for index, value in values.items()},)
 
-    def _strain(self, when: tuple[float, ...] | complex, order: int) -> Values:
-        """Return the strain q at one or several times, with its derivatives along the face up to an order."""
-        time = np.array(when) if isinstance(when, tuple) else when
-        memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
-        fading = np.exp(-memory.decay * time)
-        kind = np.result_type(self.flat, time)
-        totals = {
-            index: np.multiply.outer(start, fading).astype(kind, copy=False)
-            for index, start in self._start(order).items()
-        }
-        for contact in self.contacts:
-            contact.subtract(totals, time, order)
-        return {index: total.reshape(shape) for index, total in totals.items()}
+        return strain
 
 
-class _ContactIntervals:
-    """Computes the integrals ∫ e^{−λ(t−r)} ∂_s^i P dr of a term of the pressure over all intervals of contact before
-    t.
+def contact_integrals(term: PressureTerm, points: Array, memory: Memory) -> Callable[[Values, Time, int], None]:
+    """Return a function that subtracts the integrals ∫ e^{−λ(t−r)} ∂_s^i P dr of a term of the pressure from strains.
 
-    Attributes:
-        touched: for each of the M intervals, the number of its point, (M,). A point may have several intervals.
-        entry, exit: the times at which contact begins and ends, (M,) each.
+    The integrals are over all intervals of contact before t. A call has the strains, a dict from multi-indices i to
+    values, which are changed; one time or several times; and the highest order of derivatives. The intervals of contact
+    at each point, and the integrals over past intervals, are computed once.
+
+    Args:
+        term: the term of the pressure.
+        points: the coordinates s of the points, (d − 1, N).
+        memory: has the rate λ and the final time.
     """
+    entry, exit_ = term.intervals(points.real, memory.T)
+    used = entry < exit_
+    # For each of the M intervals the number of its point, (M,). A point may have several intervals.
+    touched = np.nonzero(used)[1]
+    entry, exit_ = entry[used], exit_[used]
 
-    def __init__(self, term: PressureTerm, points: Array, memory: Memory) -> None:
-        self.integral, self.decay = term.integral, memory.decay
-        entry, exit_ = term.intervals(points.real, memory.T)
-        used = entry < exit_
-        self.touched = np.nonzero(used)[1]
-        self.points = points[:, self.touched]
-        self.entry, self.exit = entry[used], exit_[used]
-        self._integrals = lru_cache(self._start)
-
-    def _start(self, order: int) -> tuple[Integrals, Values]:
+    @lru_cache
+    def integrals(order: int) -> tuple[Integrals, Values]:
         """Return the integrals from the entry into contact as functions of time, and their values at the exit."""
-        upto = self.integral(self.points, self.entry, self.exit, order)
-        return upto, upto(self.exit, np.arange(self.exit.size))
+        upto = term.integral(points[:, touched], entry, exit_, order)
+        return upto, upto(exit_, np.arange(exit_.size))
 
-    def subtract(self, totals: Values, time: Time, order: int) -> None:
-        """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
-        upto, whole = self._integrals(order)
-        times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
+    def subtract(totals: Values, time: Time, order: int) -> None:
+        upto, whole = integrals(order)
+        times = np.atleast_1d(time)
         now = times.real
-        over, when = np.nonzero(exit_ <= now)
+        over, when = np.nonzero(exit_[:, None] <= now)
         if over.size:
-            since = np.exp(-self.decay * (times[when] - self.exit[over]))
-            places = self.touched[over] * len(times) + when
+            since = np.exp(-memory.decay * (times[when] - exit_[over]))
+            places = touched[over] * len(times) + when
             for index, total in totals.items():
                 np.subtract.at(total.reshape(-1), places, since * whole[index][over])
-        touching, when = np.nonzero((entry < now) & (exit_ > now))
+        touching, when = np.nonzero((entry[:, None] < now) & (exit_[:, None] > now))
         if touching.size:
             found = upto(times[when], touching)
             # No index occurs twice, because at any time a point belongs to at most one interval of contact. So ``-=``
             # is safe.
-            places = self.touched[touching] * len(times) + when
+            places = touched[touching] * len(times) + when
             for index, total in totals.items():
                 total.reshape(-1)[places] -= found[index]
+
+    return subtract
 
 
 @dataclass(frozen=True, eq=False)
