@@ -39,7 +39,6 @@ import sympy as sp
 from manufactured.arguments import Size, checked
 from manufactured.compiled import Jet, coefficients_in_t, function
 from manufactured.face_formula import SMOOTH
-from manufactured.gauss import composite_gauss
 from manufactured.symbols import SMALLEST, FormulaError, Function, Symbols, Values, pos, s, t
 from manufactured.tensors import Array, Time, with_time_axis
 
@@ -154,6 +153,18 @@ def phi(z: Array, count: int) -> Array:
             found[k - 1] = np.where(large, value, found[k - 1])
             value = (value - 1 / math.factorial(k)) / far
     return found
+
+
+def composite_gauss(ends: Array, points: int) -> tuple[Array, Array]:
+    """Return nodes and weights of Gauss's rule on every panel of an interval, (panels · points,) each.
+
+    Args:
+        ends: the increasing ends of the panels, (panels + 1,).
+        points: the number of Gauss points on each panel.
+    """
+    x, w = np.polynomial.legendre.leggauss(points)
+    half = np.diff(ends)[:, None] / 2
+    return (ends[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel()
 
 
 POINTS_OF_RULE = 40

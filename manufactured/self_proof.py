@@ -19,7 +19,7 @@ import sympy as sp
 from manufactured.arguments import Count, Natural, checked
 from manufactured.body import Kind, Part
 from manufactured.exact import ExactSolution, Fields
-from manufactured.gauss import composite_gauss
+from manufactured.face_strain import composite_gauss
 from manufactured.symbols import pos
 from manufactured.symbols import t as clock
 from manufactured.tensors import Array, Points, Tensors, basis, mandel, traction

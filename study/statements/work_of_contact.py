@@ -28,7 +28,7 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, FaceFields
-from manufactured.gauss import composite_gauss
+from manufactured.face_strain import composite_gauss
 from manufactured.modes import at_each
 from manufactured.multiscale import ROLLERS, START, FadingFace
 from manufactured.tensors import Array, Points
