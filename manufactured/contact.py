@@ -48,8 +48,7 @@ from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mapped, 
 # Each term is a derivative of w, q, r or z along the face times a function of the depth y. If there is an initial gap
 # g, w − g replaces w.
 
-
-Shape = tuple[tuple[str, int], ...]
+ProfileSum = tuple[tuple[str, int], ...]
 """A function of the depth y: a sum of functions of ``Profile`` or their derivatives.
 
 Each is given by its name and the order of its derivative, such as (("a", 1), ("b", 0)) for a' + b.
@@ -69,14 +68,14 @@ class Term(NamedTuple):
         source: the number of the function that is differentiated: 0 for u_n, 1 for q, and from 2 on the components of
             r, if there is shear, and then of z.
         along: the multi-index of the derivative along the face.
-        shape: the function of y.
+        profile: the function of y.
     """
 
     row: int
     factor: float
     source: int
     along: tuple[int, ...]
-    shape: Shape
+    profile: ProfileSum
 
 
 @lru_cache
@@ -104,19 +103,19 @@ def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[Term,
     Terms of a component with the same derivative along the face are one term.
     """
     _, first = first_indices(n)
-    shapes: dict[tuple[int, float, int, tuple[int, ...]], Shape] = {}
+    profiles: dict[tuple[int, float, int, tuple[int, ...]], ProfileSum] = {}
     for row, (i, j) in enumerate(pairs(n + 1)):
         factor = 1.0 if i == j else math.sqrt(0.5)
         # ε_ij contains ∂_j u_i and ∂_i u_j, the same derivative if i = j. The last axis points into the body.
-        for component, axis in {(i, j), (j, i)}:
+        for component, axis in sorted({(i, j), (j, i)}):
             for term in displacement_terms(n, deep, tangential):
                 if term.row == component:
                     into = int(axis == n)
                     along = term.along if into else plus(term.along, first[axis])
                     key = row, factor, term.source, along
-                    ((name, _),) = term.shape
-                    shapes[key] = (*shapes.get(key, ()), (name, into))
-    return tuple(Term(*key, shape) for key, shape in shapes.items())
+                    ((name, _),) = term.profile
+                    profiles[key] = (*profiles.get(key, ()), (name, into))
+    return tuple(Term(*key, profile) for key, profile in profiles.items())
 
 
 def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
@@ -487,15 +486,15 @@ class Lifting:
         self.on_face = traces_at(face, self.s)
         kinds = len(self.s), self.deep, face.tangential
         self.displacement_terms, self.strain_terms = displacement_terms(*kinds), strain_terms(*kinds)
-        self._shapes: dict[tuple[Shape, int], Array] = {}
+        self._profiles: dict[tuple[ProfileSum, int], Array] = {}
 
-    def shape(self, shape: Shape, derivative: int) -> Array:
-        """Return a derivative in y of a sum of profile functions (``Term.shape``) at the points, cached."""
-        if (shape, derivative) not in self._shapes:
-            self._shapes[shape, derivative] = sum(
-                getattr(self.face.profile, name)(self.y, derivative + order) for name, order in shape
+    def profile(self, profile: ProfileSum, derivative: int) -> Array:
+        """Return a derivative in y of a sum of profile functions (``Term.profile``) at the points, cached."""
+        if (profile, derivative) not in self._profiles:
+            self._profiles[profile, derivative] = sum(
+                getattr(self.face.profile, name)(self.y, derivative + order) for name, order in profile
             )
-        return self._shapes[shape, derivative]
+        return self._profiles[profile, derivative]
 
     def traces(self, time: Time, rate: bool, order: int) -> tuple[Values, ...]:
         """Return the data of the contact face at the coordinates s of every point, with derivatives along the face.
@@ -564,7 +563,7 @@ class Lifting:
         axes = rotation(self.frame)
         terms = self.strain_terms
         tensors = np.array([axes[:, term.row] for term in terms])
-        shapes = np.array([term.factor * self.shape(term.shape, 0).ravel() for term in terms])
+        shapes = np.array([term.factor * self.profile(term.profile, 0).ravel() for term in terms])
         return self.products(tensors, shapes, [(term.source, term.along) for term in terms], 1 + self.deep)
 
     def products(self, tensors: Array, shapes: Array, traces: Sequence[Trace], order: int) -> Modes:
@@ -606,11 +605,11 @@ class Lifting:
         components = np.empty((1 + terms[-1].row, *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
         for term in terms:
-            shape = with_time_axis(self.shape(term.shape, into), time)
+            profile = with_time_axis(self.profile(term.profile, into), time)
             # The first term of each row initialises the row, so the array need not be filled with zeros.
             first = term.row not in begun
             trace = traces[term.source][plus(term.along, along)]
-            part = np.multiply(trace, shape, out=components[term.row] if first else None)
+            part = np.multiply(trace, profile, out=components[term.row] if first else None)
             if term.factor != 1:
                 part *= term.factor
             if not first:

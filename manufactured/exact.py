@@ -188,7 +188,7 @@ def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
     fields: defaultdict[Trace, Any] = defaultdict(float)
     for term in lifting.strain_terms:
         stress = np.einsum("Iij,I->ij", basis(len(frame)), of.matrix @ axes[:, term.row])
-        value, slope = (term.factor * lifting.shape(term.shape, into).ravel() for into in range(2))
+        value, slope = (term.factor * lifting.profile(term.profile, into).ravel() for into in range(2))
         for unit, direction in zip(first, frame.T, strict=False):
             fields[term.source, plus(term.along, unit)] -= np.multiply.outer(stress @ direction, factor * value)
         fields[term.source, term.along] -= np.multiply.outer(stress @ frame[:, -1], factor * slope)
