@@ -65,7 +65,7 @@ Prepare = Callable[[Array, Array, Array, int], Integrals]
 """
 
 
-def of_polynomial(smooth: sp.Expr, variables: Symbols, decay: float) -> Prepare:
+def polynomial_integrals(smooth: sp.Expr, variables: Symbols, decay: float) -> Prepare:
     """Return the function that prepares integrals over time for a polynomial P of degree m in the time r.
 
     With τ = b − a, Taylor's formula at a gives
@@ -181,10 +181,10 @@ The error is estimated by the difference between the rule on an interval and the
 """
 
 
-def of_smooth(branch: sp.Expr, variables: Symbols, decay: float) -> Prepare:
-    """Return the function that prepares integrals over time by Gauss's rule, with the arguments of ``of_polynomial``.
+def smooth_integrals(branch: sp.Expr, variables: Symbols, decay: float) -> Prepare:
+    """Return the function that prepares integrals over time of a smooth function P by Gauss's rule.
 
-    It raises FormulaError if the integrand P, given by the formula ``branch``, changes too fast in time for the rule.
+    The arguments are those of ``polynomial_integrals``. The result raises FormulaError if P changes too fast in time.
     """
     jet = Jet(branch, variables)
 
@@ -194,7 +194,7 @@ def of_smooth(branch: sp.Expr, variables: Symbols, decay: float) -> Prepare:
         fading = np.exp(-decay * (upper - middle))
         for pieces in GAUSS_PIECES:
             rule = composite_gauss(np.linspace(0, 1, pieces + 1), POINTS_OF_RULE)
-            integrals = partial(by_gauss, jet, decay, rule, points, order)
+            integrals = partial(integrate_by_gauss, jet, decay, rule, points, order)
             # The error is estimated from the rule on both halves, for the derivative with the largest relative error.
             first, second = integrals(lower, middle, every), integrals(middle, upper, every)
             defects = []
@@ -213,7 +213,7 @@ def of_smooth(branch: sp.Expr, variables: Symbols, decay: float) -> Prepare:
     return prepare
 
 
-def by_gauss(
+def integrate_by_gauss(
     jet: Jet,
     decay: float,
     rule: tuple[Array, Array],
@@ -746,14 +746,13 @@ class Memory:
         for term in sp.Add.make_args(sp.expand(self.load)):
             fronts, branch = smooth_branch(term, self.variables)
             branches[fronts] = branches.get(fronts, sp.Integer(0)) + branch / self.viscosity
-        return tuple(
-            PressureTerm(
-                tuple(front(formula, self.variables) for formula in fronts),
-                (of_polynomial if branch.is_polynomial(t) else of_smooth)(branch, self.variables, self.decay),
-            )
-            for fronts, branch in branches.items()
-            if branch != 0
-        )
+        terms = []
+        for fronts, branch in branches.items():
+            if branch != 0:
+                integrals = polynomial_integrals if branch.is_polynomial(t) else smooth_integrals
+                moving = tuple(front(formula, self.variables) for formula in fronts)
+                terms.append(PressureTerm(moving, integrals(branch, self.variables, self.decay)))
+        return tuple(terms)
 
     def at(self, points: Array) -> StrainAtPoints:
         flat = points.reshape(points.shape[0], -1)
