@@ -45,10 +45,12 @@ def do_run(options: Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
+    # Cache keys need all cases. They are made before the workers start, which then need not make them again.
+    missing = unfinished(plan.jobs, store)
     # More processes than jobs would have nothing to do.
     workers = min(options.jobs, len(plan.jobs))
     with connected(options.cluster, scope.cases) if options.cluster else local_pool(workers) as pool:
-        refuse_too_large(unfinished(plan.jobs, store), pool)
+        refuse_too_large(missing, pool)
         plan.check()
         # A user's case is refused before the result directory exists.
         proofs = prove(plan.stages()[0], scope.cases, store, pool)

@@ -52,14 +52,17 @@ class SeededScope(Scope):
 def seeded(seed: int) -> Plan:
     """Return the plan of measurements for one seed: the quick study, but for all cases and on random meshes.
 
-    Three more things differ from the quick study. Plane cases whose solutions are not smooth have the levels of the
-    full study. Cases in 3D have the levels 9, 12 and 15, because random meshes with n = 6 are too coarse for contact
-    zones in the form of a disc. The statements ``NOT_SEEDED`` are left out.
+    Three more things differ from the quick study. Plane cases have the levels 8, 16 and 32, on which the windows were
+    set, or those of the full study if their solutions are not smooth. Cases in 3D have the levels 9, 12 and 15, because
+    random meshes with n = 6 are too coarse for contact zones in the form of a disc. The statements ``NOT_SEEDED`` are
+    left out.
 
     Args:
         seed: the seed of the random vertices.
     """
-    base = replace(quick(), cases=full().cases, rough=full().rough, solid=Levels((9, 12, 15)), command="study seeds")
+    plane, solid = Levels((8, 16, 32)), Levels((9, 12, 15))
+    levels = replace(quick(), plane=plane, rough=full().rough, solid=solid)
+    base = replace(levels, cases=full().cases, command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
     jobs = [
         Job(statement, setting)

@@ -212,13 +212,13 @@ def quick() -> Scope:
     return Scope(
         name="quick",
         cases=COVER,
-        plane=Levels((8, 16, 32)),
+        plane=Levels((6, 12, 24)),
         rough=Levels((8, 16, 32, 64)),
         solid=Levels((6, 9, 12)),
         equivalence=(4, 8),
         solid_equivalence=(3,),
         every_family=False,
-        own=tuple((name, Levels((16, 24, 36))) for name in NARROW_CASES),
+        own=(*((name, Levels((16, 24, 36))) for name in NARROW_CASES), ("hexagon", Levels((8, 16, 32)))),
     )
 
 
