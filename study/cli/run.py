@@ -16,7 +16,7 @@ from study.ledger.text import folded
 from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
 from study.run.judgement import collect, judge, judge_stored
-from study.run.plan import Job, Jobs, Plan, full, quick
+from study.run.plan import PLANE_LEVELS, Job, Jobs, Plan, full, quick
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
@@ -166,7 +166,8 @@ def scope_from_options(options: Namespace) -> Scope:
     study = {"quick": quick, "full": full}[options.plan]()
     scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
     if options.case:
-        scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
+        cases, plane = tuple(map(absolute, options.case)), scope.plane if scope.full else PLANE_LEVELS
+        scope = replace(scope, cases=cases, plane=plane, every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
         # Theorem 4.2 is tested on coarse levels only, because the interior-point method solves only small problems.

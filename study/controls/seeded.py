@@ -11,7 +11,7 @@ from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
 from study.fem.naming import family_named
 from study.ledger.verdict import Verdict
-from study.run.plan import Job, Plan, full, quick
+from study.run.plan import PLANE_LEVELS, Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
 from study.statements.error_estimate import InterpolationOnContact
@@ -60,8 +60,7 @@ def seeded(seed: int) -> Plan:
     Args:
         seed: the seed of the random vertices.
     """
-    plane, solid = Levels((8, 16, 32)), Levels((9, 12, 15))
-    levels = replace(quick(), plane=plane, rough=full().rough, solid=solid)
+    levels = replace(quick(), plane=PLANE_LEVELS, rough=full().rough, solid=Levels((9, 12, 15)))
     base = replace(levels, cases=full().cases, command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
     jobs = [

@@ -204,6 +204,10 @@ demands: smooth solutions with linear laws, the law (3.3), coupled and varying m
 solutions, a law that softens, and initial gaps."""
 
 
+PLANE_LEVELS = Levels((8, 16, 32))
+"""The levels of plane cases that are measured alone or on random meshes. The windows of orders were set on them."""
+
+
 def quick() -> Scope:
     """Return the scope of the quick study: all statements, one mesh family for each case.
 

@@ -118,7 +118,7 @@ FORCE = ["Prop. 5.4", "contact force", "Thm 4.2"]
     [
         ("full-contact", FORCE, 4),
         ("cube-disc", FORCE, 3),
-        ("parabolic-gap", ["beyond: initial gap"], 8),
+        ("parabolic-gap", ["beyond: initial gap"], 6),
         ("junction", ["Prop. 5.3", "Thm 4.2"], 4),
     ],
 )
