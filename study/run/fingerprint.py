@@ -16,7 +16,7 @@ import ast
 import platform
 import re
 import uuid
-from ast import Constant, Expr, Import, ImportFrom, NodeTransformer
+from ast import ClassDef, Constant, Expr, FunctionDef, Import, ImportFrom, Module
 from collections.abc import Iterable, Set
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
@@ -198,19 +198,17 @@ def _parsed(module: str) -> tuple[str, frozenset[str]]:
             names |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
         elif isinstance(node, Import):
             names |= {alias.name for alias in node.names}
-    return _digest(ast.dump(_WithoutTexts().visit(tree))), frozenset(file for name in names for file in _files(name))
+        elif isinstance(node, Module | ClassDef | FunctionDef):
+            node.body = [line for line in node.body if not _is_text(line)]
+    return _digest(ast.dump(tree)), frozenset(file for name in names for file in _files(name))
 
 
 def _hash_of(modules: Iterable[str]) -> str:
     return _digest([(module, _parsed(module)[0]) for module in sorted(modules)])
 
 
-class _WithoutTexts(NodeTransformer):
-    """Removes docstrings and other strings that are statements from a syntax tree."""
-
-    def visit_Expr(self, node: Expr) -> Expr | None:
-        is_text = isinstance(node.value, Constant) and isinstance(node.value.value, str)
-        return None if is_text else node
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, Expr) and isinstance(node.value, Constant) and isinstance(node.value.value, str)
 
 
 @cache
