@@ -231,10 +231,19 @@ class Discretisation:
         """
         return self.equilibrium.nearest(loads, target, self.normal_moments(u))
 
-    @cached_property
-    def cells_at_contact(self) -> Array:
-        """For each edge of the contact boundary Γ3, the number of the cell to which it belongs, (edges of Γ3,)."""
-        return np.asarray(self.stresses.mesh.f2t[0, self.equilibrium.contact])
+    def divided_at_contact(self, total: float, work: Array) -> Array:
+        """Divide a number among the cells at the contact boundary Γ3 in proportion to the work on their edges.
+
+        Args:
+            total: the number.
+            work: the work on every edge of Γ3, (edges of Γ3,). If it is 0 everywhere, the result is 0.
+
+        Returns:
+            The parts of all cells of the mesh, (cells,).
+        """
+        parts = total * work / max(work.sum(), np.finfo(float).tiny)
+        cells = self.mesh.f2t[0, self.equilibrium.contact]
+        return np.bincount(cells, parts, self.stresses.cells)
 
     def normal_moments(self, v: Array) -> Array:
         """Return the moments ∫_e v_ν B_i of the normal displacement v_ν on every edge e of the contact boundary Γ3.

@@ -49,6 +49,11 @@ CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
 Sides = Mapping[sp.Symbol, Pair]
 """The type of boxes around cells or parts of edges: for each coordinate, their lower and upper ends, (boxes,) each."""
+POOR = 0.5
+"""Limit of the fraction of an error bound that is due to unknown changes of the loads between sample points.
+
+Above this fraction a message names the point where the change is largest.
+"""
 GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 PARABOLA_FACTOR, CUBIC_FACTOR = 2.2513, 4.0559
@@ -245,18 +250,29 @@ class Sampling:
         require_finite({"what samples of ε(u_0) miss": e})
         return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
 
-    def worst(self, a: float, b: float) -> str:
-        """Return a text that names the load and the point at which it changes most between its samples for a ≤ t ≤ b.
+    def evidence(self, missed: float, bound: float, a: float, b: float) -> Evidence:
+        """Return whether the error bound is guaranteed.
 
-        The text is empty if there are no bounds of the change between the samples.
+        If more than the fraction ``POOR`` of the error bound is due to changes of the loads between sample points, the
+        result names the load and the point at which it changes most for a ≤ t ≤ b.
+
+        Args:
+            missed: the part of the error bound that is due to these changes; 0 if they are not bounded.
+            bound: the error bound.
+            a, b: the ends of the time interval with the largest changes.
         """
-        if self.reasons:
-            return ""
+        if not missed > POOR * bound:
+            return Evidence(self.reasons)
         force, surface = (2 * e + q for e, _, q in self._remainders(a, b))
-        inside = self.constants.volume * force.max() >= self.constants.surface * surface.max(initial=0.0)
         mesh = self.space.mesh
-        at = mesh.p[:, mesh.t[:, force.argmax()] if inside else mesh.facets[:, surface.argmax()]].mean(axis=1)
-        return f"{'f_0' if inside else 'f_2'} is seen poorly near x = {place(at)}, {a:.3g} ≤ t ≤ {b:.3g}"
+        if self.constants.volume * force.max() >= self.constants.surface * surface.max(initial=0.0):
+            load = "f_0"
+            vertices = mesh.t[:, force.argmax()]
+        else:
+            load = "f_2"
+            vertices = mesh.facets[:, surface.argmax()]
+        at = mesh.p[:, vertices].mean(axis=1)
+        return Evidence((), f"{load} is seen poorly near x = {place(at)}, {a:.3g} ≤ t ≤ {b:.3g}")
 
     @property
     def _expressions(self) -> Expressions:

@@ -541,8 +541,7 @@ class Majorant:
         added = k * proportional((np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2)
         cells = added * (1 - changing) + k * missed.in_cells
         by_contact = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
-        of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
-        np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
+        cells += d.divided_at_contact(by_contact, terms.contact_on_edges)
         shares = Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
         return Interval(
             a=piece.a,
