@@ -318,8 +318,8 @@ def test_the_square_of_a_parabola_is_bounded_by_the_absolute_values_of_lagrange_
     norms, (x, w) = rng.random(3), gauss(3)
     x = np.concatenate([x, 1 + x]) / 2
     sizes = norms @ abs(np.array([(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)]))
-    assert mean_square(*norms) == pytest.approx(np.tile(w, 2) @ sizes**2 / 2)
-    assert largest_square(*norms) >= sizes.max() ** 2
+    assert mean_square(norms) == pytest.approx(np.tile(w, 2) @ sizes**2 / 2)
+    assert largest_square(norms) >= sizes.max() ** 2
 
 
 @pytest.mark.parametrize(
