@@ -204,7 +204,7 @@ def kernel(rate: float, k: float) -> float:
 
 
 def mean_square(norms: Array) -> Array:
-    """Return a bound of the mean of ‖f‖² over a time step, for a function f that is a parabola in time, (3, ...) → (...).
+    """Return a bound of the mean of ‖f‖² over a time step, for a parabola f in time, (3, ...) → (...).
 
     The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the three values f_i and the Lagrange polynomials L_i.
 
@@ -215,7 +215,7 @@ def mean_square(norms: Array) -> Array:
 
 
 def largest_square(norms: Array) -> Array:
-    """Return a bound of ‖f‖² at all times of a step, for a function f that is a parabola in time, (3, ...) → (...).
+    """Return a bound of ‖f‖² at all times of a step, for a parabola f in time, (3, ...) → (...).
 
     Args:
         norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
