@@ -54,7 +54,7 @@ POOR = 0.5
 
 Above this fraction a message names the point where the change is largest.
 """
-GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
+
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 PARABOLA_FACTOR, CUBIC_FACTOR = 2.2513, 4.0559
 """The factors 1 + Λ in bounds of the interpolation error in time, with the Lebesgue constant Λ of the nodes.
@@ -87,11 +87,12 @@ class Evidence:
     @property
     def sentences(self) -> list[str]:
         """Sentences for the user: whether the bound is guaranteed, why not, and how to improve it."""
-        found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
-        found = found or ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
+        sentences = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
+        if not sentences:
+            sentences.append("guaranteed: also between quadrature points and times; rounding is not enclosed")
         if self.poorly_seen:
-            found.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
-        return found
+            sentences.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
+        return sentences
 
 
 def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
@@ -123,8 +124,9 @@ def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Ar
         a, b: the ends of the time interval.
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
-    both = [PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1), CUBIC_FACTOR * bounds.min(axis=1)]
-    return np.asarray(np.hypot.reduce(both, axis=1))
+    parabola = PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1)
+    cubic = CUBIC_FACTOR * bounds.min(axis=1)
+    return np.asarray(np.hypot.reduce([parabola, cubic], axis=1))
 
 
 def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
@@ -136,14 +138,18 @@ def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence
     count = len(next(iter(sides.values()))[0])
     boxes = Boxes({**sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
     radii = np.array([np.ptp(boxes.sides[variable], axis=0) / 2 for variable in variables])
-    powers = np.array([np.prod(radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
-    orders, found = np.array([sum(key) for key in boxes.keys]), [np.zeros((ORDER + 1, count))]
-    for series in (boxes(formula) for formula in formulas if formula != 0):
+    keys = np.array(boxes.keys)
+    orders = keys.sum(axis=1)
+    powers = np.prod(radii ** keys[..., None], axis=1)
+    bounds = np.zeros((1 + len(formulas), ORDER + 1, count))
+    for bound, formula in zip(bounds[1:], formulas, strict=True):
+        series = boxes(formula)
         # Where a box has no width, nothing changes, even if there is no bound of the derivative.
         sizes = np.where(powers == 0, 0.0, series.largest) * powers
-        by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
-        found.append(np.array([np.ptp(series.values, axis=0) / 2, *by_order]))
-    return np.array(found)
+        bound[0] = np.ptp(series.values, axis=0) / 2
+        for order in range(1, ORDER + 1):
+            bound[order] = sizes[orders == order].sum(axis=0)
+    return bounds
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
@@ -193,23 +199,27 @@ class Sampling:
     @cached_property
     def reasons(self) -> tuple[str, ...]:
         """The reasons why the error bound is only estimated; empty if it is guaranteed."""
-        law, data, found = self.data.law, self.data, []
+        data = self.data
+        law = data.law
+        reasons = []
         if not isinstance(data.formulas_of, Expressions):
-            found.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
+            reasons.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
         else:
             try:
                 for formula in (*_loads(data.formulas_of), *strain_of_start(data.formulas_of)):
                     require_known(formula)
             except RangeError as error:
-                found.append(str(error))
-        if law.A.factor is not UNIFORM or getattr(law.G, "factor", UNIFORM) is not UNIFORM:
-            found.append("A or G varies in x, and norms with it are quadratures")
+                reasons.append(str(error))
+        if law.A.factor is not UNIFORM or law.G.factor is not UNIFORM:
+            reasons.append("A or G varies in x, and norms with it are quadratures")
         if not isinstance(law.G, Linear):
-            found.append(f"the term of the nonlinear G of {law.name} is a quadrature")
+            reasons.append(f"the term of the nonlinear G of {law.name} is a quadrature")
         lines = [Line(*line) for line in data.lines]
         if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
-            found.append(GRADED)
-        return tuple(found)
+            reasons.append(
+                "cells at the lines and points where the data are rough have graded rules, which are not exact"
+            )
+        return tuple(reasons)
 
     @cached_property
     def constants(self) -> LoadConstants:
@@ -227,16 +237,20 @@ class Sampling:
             oscillation: the function that computes the oscillation of a load on each cell from norms of the load.
             a, b: the ends of the time interval.
         """
-        nothing = Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
+        cells = self.space.cells
+        nothing = Missed(np.zeros(cells), 0.0, np.zeros(cells))
         if self.reasons:
             return nothing
-        (e, p, q), (e_Γ, p_Γ, q_Γ) = remainders = self._remainders(a, b)
-        if not any(each.any() for each in remainders):
+        force, surface = self._remainders(a, b)
+        if not (force.any() or surface.any()):
             return nothing
         C = self.constants
+        e, p, q = force
+        e_Γ, p_Γ, q_Γ = surface
         rest = C.volume * np.linalg.norm(2 * e + q) + C.surface * np.linalg.norm(2 * e_Γ + q_Γ)
+        on_edges = C.surface * proportional((2 * e_Γ) ** 2)
         in_cells = C.volume * proportional((2 * e) ** 2)
-        np.add.at(in_cells, self.space.mesh.f2t[0], C.surface * proportional((2 * e_Γ) ** 2))
+        in_cells += np.bincount(self.space.mesh.f2t[0], on_edges, cells)
         return Missed(oscillation(LeftOut(e + p, e + p, e_Γ + p_Γ)), float(rest), in_cells)
 
     def missed_at_start(self) -> float:
@@ -248,7 +262,8 @@ class Sampling:
             return 0.0
         e = in_space(self._cells, strain_of_start(self._expressions), 0.0, 0.0)
         require_finite({"what samples of ε(u_0) miss": e})
-        return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
+        norm = np.linalg.norm(np.sqrt(self.space.volumes) * e)
+        return float(2 * np.sqrt(self.data.law.A.lipschitz) * norm)
 
     def evidence(self, missed: float, bound: float, a: float, b: float) -> Evidence:
         """Return whether the error bound is guaranteed.
@@ -287,16 +302,20 @@ class Sampling:
     @cached_property
     def _loaded(self) -> Sequence[tuple[Array, Sides, list[sp.Expr]]]:
         """For each part of Γ2: its edges, the subintervals of these edges, and f_2 as formulas in the arc length."""
-        space, found, loads = self.space, [], dict(self._expressions.loads)
-        for part, edges in space.on(Kind.LOADED):
-            corners = space.mesh.p[:, space.mesh.facets[:, edges]]
-            low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
-            cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
-            formulas = along_side(part, loads.get(self.data.body.parts.index(part), ()), ACROSS)
+        body = self.data.body
+        mesh = self.space.mesh
+        loads = dict(self._expressions.loads)
+        loaded = []
+        for part, edges in self.space.on(Kind.LOADED):
+            (along,), _ = part.coordinates(mesh.p[:, mesh.facets[:, edges]])
+            low, high = np.sort(along, axis=0)
+            cuts = np.linspace(low, high, EDGE_PARTS + 1)
+            formulas = along_side(part, loads.get(body.parts.index(part), ()), ACROSS)
             # Rounding moves samples off the side. Conditions that change across the side are undecided on it.
-            width = np.full(cuts[1:].size, CORNER_ROUNDING * abs(self.data.body.vertices).max())
-            found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}, formulas))
-        return found
+            width = np.full(cuts[1:].size, CORNER_ROUNDING * abs(body.vertices).max())
+            sides = {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}
+            loaded.append((edges, sides, formulas))
+        return loaded
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
@@ -307,9 +326,10 @@ class Sampling:
         """
         # Results are cached, because several callers need the same intervals. If the loads do not depend on time, all
         # intervals have the same result.
-        at_rest = not any(formula.has(t) for formula in _loads(self._expressions))
         cached = lru_cache(maxsize=CACHED)(self._compute_remainders)
-        return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
+        if any(formula.has(t) for formula in _loads(self._expressions)):
+            return cached
+        return lambda a, b: cached(0.0, 0.0)
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
         """Return the L² norms of the bounds e, p and q for a ≤ t ≤ b, in the form that ``_remainders`` describes."""
@@ -324,9 +344,9 @@ class Sampling:
             # norm.
             of_parts = all_three(sides, formulas).reshape(3, EDGE_PARTS, -1)
             surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
-        for name, (e, p, q) in (("f_0", force), ("f_2", surface)):
-            missed = {"space": e, "time": np.maximum(p, q)}
-            require_finite({f"what samples of {name} in {where} miss": value for where, value in missed.items()})
+        for name, bounds in (("f_0", force), ("f_2", surface)):
+            require_finite({f"what samples of {name} in space miss": bounds[0]})
+            require_finite({f"what samples of {name} in time miss": bounds[1:]})
         return force * np.sqrt(self.space.volumes), surface * np.sqrt(self.space.lengths)
 
 
