@@ -125,11 +125,14 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Compu
     Returns:
         The piecewise linear displacement u_h at the time nodes.
     """
-    data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
-    J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
+    data = discretisation.data
+    space = Space(discretisation.mesh, data.body)
+    J = prolongation(space, discretisation)
+    start = space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda times: J.T @ at_each(times, discretisation.load), start)
     nodes = np.array([space.coefficients(state.u).ravel() for state in scheme.march(problem, steps)])
-    return Computed(space.mesh, space.body, 1, np.linspace(0.0, data.body.T, steps + 1), nodes, steps)
+    times = np.linspace(0.0, data.body.T, steps + 1)
+    return Computed(space.mesh, space.body, 1, times, nodes, steps)
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
@@ -164,22 +167,27 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     Raises:
         BoundError: ``fine`` is not such a refinement.
     """
-    cells, vertices = mesh.t.shape[1], fine.p.shape[1]
-    numbers, nodes = numbers_of(fine), nodes_of(fine)
-    _, first = np.unique(numbers, return_index=True)
-    parents = first % numbers.shape[1] % cells
+    cells = mesh.t.shape[1]
+    vertices = fine.p.shape[1]
+    nodes = nodes_of(fine)
+    count = nodes.shape[1]
+    # For each node a cell of the fine mesh that has it, and the coarse cell in which this cell lies.
+    _, first = np.unique(numbers_of(fine), return_index=True)
+    parents = first % fine.t.shape[1] % cells
     places = barycentric(mesh, parents, nodes[:, :, None])[..., 0]
     parts = 2.0 * np.sqrt(fine.t.shape[1] / cells)
     exact = np.rint(parts * places) / parts
-    if len(first) != nodes.shape[1] or not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):
+    if not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):
         raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
     values = exact
+    columns = mesh.t[:, parents]
+    width = mesh.p.shape[1]
     if degree == 2:
         values = np.array([*(2 * exact**2 - exact), *(4 * exact[a] * exact[b] for a, b in EDGES)])
-    of_nodes = numbers_of(mesh)[: len(values), parents]
-    count = mesh.p.shape[1] + (degree == 2) * mesh.facets.shape[1]
-    places_in_matrix = np.tile(np.arange(len(first)), len(values)), of_nodes.ravel()
-    at_nodes = sps.csr_array((values.ravel(), places_in_matrix), shape=(len(first), count))
+        columns = numbers_of(mesh)[:, parents]
+        width += mesh.facets.shape[1]
+    rows = np.tile(np.arange(count), len(values))
+    at_nodes = sps.csr_array((values.ravel(), (rows, columns.ravel())), shape=(count, width))
     # On an edge with the values a and b at its ends and the middle Bernstein coefficient c, the value at the midpoint
     # is c/2 + (a + b)/4. This equation is solved for c.
     at_ends = at_nodes[fine.facets[0]] + at_nodes[fine.facets[1]]
@@ -229,7 +237,9 @@ class Refined:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
     def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
-        data, V, G = fine.data, fine.displacements, fine.data.law.G
+        data = fine.data
+        G = data.law.G
+        V = fine.displacements
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The initial value must be admissible (N v ≤ 0). Among these functions it is the best approximation of u_0 in
         # ‖·‖_V.
@@ -299,11 +309,16 @@ def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:
     """
     iterator = iter(nodes)
     before, old = next(iterator)
-    knot, point = before, old
+    knot = before
+    point = old
     for time, new in iterator:
-        middle, here = (before + time) / 2, (old + new) / 2
+        middle = (before + time) / 2
+        here = (old + new) / 2
         # The first half step is a straight line, so its control point is the mean of its ends.
         control = (point + here) / 2 if knot == before else old
         yield Parabola(knot, middle, point, control, here)
-        before, old, knot, point = time, new, middle, here
+        before = time
+        old = new
+        knot = middle
+        point = here
     yield Parabola(knot, before, point, (point + old) / 2, old)
