@@ -23,7 +23,6 @@ from manufactured.arguments import Count, checked
 from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.static import Static
 from manufactured.tensors import Array, Points
 from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
@@ -105,8 +104,8 @@ def bounded_displacement(
     data: Data,
     computed: Computed,
     refined: Refined,
-    case: Case | None = None,
-    progress: Callable[[float], object] = lambda time: None,
+    case: Case | None,
+    progress: Callable[[float], object],
 ) -> BoundedSolution:
     """Return bounds of the error of a displacement that ``given`` has checked.
 
@@ -118,7 +117,7 @@ def bounded_displacement(
         progress: a function that is called with each time up to which the bounds are computed.
     """
     coarse = Discretisation(data, computed.mesh)
-    if not isinstance(data, Static):
+    if data.in_time:
         require_steps(refined.shorter * computed.steps)
     bounded = both_bounds(coarse, computed, refined, true_error(case, coarse, computed), progress)
     low, high = bounded.error
@@ -144,7 +143,7 @@ def suspicion(bounded: BoundedSolution, data: Data) -> list[str]:
         data: the problem.
     """
     factor, rest = bounded.enclosure.factor
-    is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else SCALED_IN_TIME)
+    is_scaled = abs(factor - 1) > (SCALED_IN_TIME if data.in_time else SCALED)
     # If displacements are prescribed, the factor of a Galerkin solution is not 1, and wrong values are refused.
     if data.body.is_moved or not is_scaled or rest >= ALIKE:
         return []
@@ -229,7 +228,7 @@ def given(
             correct it.
     """
     points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
-    if isinstance(data, Static):
+    if not data.in_time:
         if len(times) > 1:
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
         times = np.array([0.0, data.body.T])
