@@ -213,8 +213,7 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     for name in ("bound", "percent"):
         frame[name] = [float(up(value, 9)) if value < math.inf else value for value in frame[name]]
     frame["in_time"] = frame["in_time"].round(4)
-    frame["order"] = (bounds / unknowns.where(unknowns > 0)).round(3)
-    frame["kind"] = frame.pop("kind")  # the last column
+    frame.insert(len(frame.columns) - 1, "order", (bounds / unknowns.where(unknowns > 0)).round(3))
     return frame
 
 

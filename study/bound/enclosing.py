@@ -165,7 +165,8 @@ class Enclosure:
         (better, mixed), (_, given) = self.products.tolist()
         if not mixed or not better * given:
             return math.nan, 1.0
-        return given / mixed, math.sqrt(max(0.0, 1 - mixed**2 / (better * given)))
+        cosine_squared = mixed**2 / (better * given)
+        return given / mixed, math.sqrt(max(0.0, 1 - cosine_squared))
 
     @property
     def lower(self) -> Array:
@@ -197,7 +198,9 @@ def relative(error: tuple[Any, Any], norm: tuple[float, float]) -> tuple[Any, An
         error: the lower and the upper end of the interval of the error; numbers, or arrays for several errors.
         norm: the lower and the upper end of the interval of the norm.
     """
-    return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
+    low = error[0] / norm[1] if norm[1] > 0 else 0.0
+    high = error[1] / norm[0] if norm[0] > 0 else math.inf
+    return low, high
 
 
 def enclose(
@@ -374,7 +377,8 @@ class StaticDiscretisation(Discretisation):
         Args:
             displacements: the unknowns of the displacements v_i, (dofs,) each.
         """
-        stresses, strains = zip(*((self.elastic(v), self.strain(v)) for v in displacements), strict=True)
+        stresses = [self.elastic(v) for v in displacements]
+        strains = [self.strain(v) for v in displacements]
         return np.einsum("iIcq,jIcq,cq->ij", stresses, strains, self.stresses.weights)
 
     def residual(self, v: Array) -> Array:
@@ -383,8 +387,9 @@ class StaticDiscretisation(Discretisation):
         The φ_i are the basis functions, and G is the elasticity.
         """
         V = self.displacements
-        strain = V.strain_at(v, np.arange(self.stresses.cells), V.points)
-        return np.asarray(self.load(0.0) - V.functional(self.data.law.G.at(V.points)(strain)))
+        strain = V.strain_at(v, np.arange(V.cells), V.points)
+        stress = self.data.law.G.at(V.points)(strain)
+        return np.asarray(self.load(0.0) - V.functional(stress))
 
     def squares(self, stress: Array) -> Array:
         """Return the squared norm ‖τ‖²_{G⁻¹} = ∫_T G⁻¹τ·τ of a stress τ on every cell T, (3, cells, Q) → (cells,)."""
@@ -430,20 +435,20 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     v = u_h
     if refinements is not None:
         V = fine.displacements
-        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.residual(np.zeros(V.dofs)))
+        load = fine.residual(np.zeros(V.dofs))
+        v, _ = Signorini(fine.M, V.N, V.free_points)(load)
     missed = fine.sampling.missed(fine.oscillation, 0.0, T)
     y, shares = _static_bound(fine, v, missed)
     evidence = fine.sampling.evidence(missed.everywhere, y, 0.0, T)
     d = float(fine.norm(v - u_h))
-    load = fine.load(0.0)
-    require_visible(d + y, bool(load.any() or computed.nodes.any()))
+    require_visible(d + y, bool(fine.load(0.0).any() or computed.nodes.any()))
     y = max(y, SMALLEST_BOUND) if y > 0 else y
     products = fine.products(v, u_h)
     size = math.sqrt(products[0, 0])
     norm = max(0.0, size - y), size + y
     if not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):
         rest = (2 * missed.everywhere + ENERGY_ROUNDING * size) * size
-        energy = 2 * float(load @ v) - size**2
+        energy = 2 * float(fine.load(0.0) @ v) - size**2
         norm = math.sqrt(max(0.0, energy - rest)), math.sqrt(energy + y**2 + rest)
     distances = fine.squares(fine.elastic(v) - fine.elastic(u_h))
     # A refinement lists the parts of all cells in the order of the cells, again and again.

@@ -160,7 +160,12 @@ def suspicion(bounded: BoundedSolution, data: Data) -> list[str]:
         (1.0, 1 / (1 - strain**2), "plane stress there, and plane strain here?"),
         (1 - stress**2, 1.0, "plane strain there, and plane stress here?"),
     ]
-    off, question = min((abs(np.clip(factor, low, high) / factor - 1), name) for low, high, name in usual)
+    off = math.inf
+    for low, high, mistake in usual:
+        distance = abs(np.clip(factor, low, high) / factor - 1)
+        if distance < off:
+            off = distance
+            question = mistake
     # The part of u_h that is no multiple of the solution changes the factor by about its square.
     if off > max(NEAR, rest**2):
         question = "compare loads, stiffness and units."
@@ -227,7 +232,8 @@ def given(
         BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
             correct it.
     """
-    points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
+    times = np.zeros(1) if times is None else times
+    points, triangles, times, u = _arrays(points, triangles, times, u)
     if not data.in_time:
         if len(times) > 1:
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
@@ -319,7 +325,8 @@ def _checked_times(times: Array, T: float) -> Array:
     if times.ndim != 1 or falls.size:
         got = f"an array of the shape {times.shape}"
         if times.ndim == 1:
-            got = f"{times[falls[0] + 1]:g} after {times[falls[0]]:g}"
+            before, after = times[falls[0] :][:2]
+            got = f"{after:g} after {before:g}"
         raise BoundError(
             f"times have to increase strictly, got {got}; the parts of a parallel run have to be merged into one file "
             "for each time"
@@ -338,7 +345,9 @@ def _checked_times(times: Array, T: float) -> Array:
         raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
     equal = np.linspace(0.0, T, len(times))
     # Steps that were equal before rounding to single precision differ slightly, so they are made equal again.
-    return equal if abs(times - equal).max() <= SINGLE * equal[1] else np.array([0.0, *times[1:-1], T])
+    if abs(times - equal).max() <= SINGLE * equal[1]:
+        return equal
+    return np.array([0.0, *times[1:-1], T])
 
 
 def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, Array, list[str]]:
@@ -442,8 +451,9 @@ def _on_boundary(body: Body, p: Points) -> Points:
         _, off = part.coordinates(p)
         close = part.contains(p, near)
         p[:, close] += off[close] * part.normal[:, None]
-    for corner in body.vertices.T:
-        p[:, np.linalg.norm(p - corner[:, None], axis=0) < near] = corner[:, None]
+    for corner in body.vertices.T[..., None]:
+        close = np.linalg.norm(p - corner, axis=0) < near
+        p[:, close] = corner
     return p
 
 

@@ -89,7 +89,8 @@ def outward(ends: Intervals) -> Intervals:
 
 def _is_power_of_two(ends: Intervals) -> Array:
     """Return whether both ends of intervals are ±2^k or 0, so that products with them have no rounding error."""
-    return np.asarray(np.isin(abs(np.frexp(ends)[0]), (0.0, 0.5)).all(axis=0))
+    mantissas, _ = np.frexp(ends)
+    return np.asarray(np.isin(abs(mantissas), (0.0, 0.5)).all(axis=0))
 
 
 def times(a: Intervals, b: Intervals) -> Intervals:
@@ -268,7 +269,8 @@ def coefficients(formula: sp.Expr, u: Intervals, order: int) -> list[Intervals]:
 def require_known(formula: sp.Expr) -> None:
     """Raise RangeError if a part of a formula is a function whose derivatives have no known ranges."""
     # The range is computed at one point and discarded; every function of the formula is then evaluated once.
-    Boxes({symbol: (np.zeros(1), np.zeros(1)) for symbol in (t, *formula.free_symbols)}, (), 0)(formula)
+    sides = dict.fromkeys((t, *formula.free_symbols), np.zeros((2, 1)))
+    Boxes(sides, (), 0)(formula)
 
 
 def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | float = 0) -> list[sp.Expr]:
@@ -601,7 +603,8 @@ def require_continuous_start(data: Data) -> None:
 
 def _violation(part: Part, start: Array) -> tuple[float, Points]:
     """Return how far u_0 is from 0 on a clamped side, or above 0 in normal direction on a contact side, and where."""
-    formulas = along_side(part, [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start])
+    nonpositive = [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start]
+    formulas = along_side(part, nonpositive)
 
     def largest(boxes: Array) -> Array:
         expand = Boxes({ARC: boxes[:, 0]}, (), 0)

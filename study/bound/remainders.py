@@ -37,7 +37,7 @@ from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.problem import LoadConstants, load_constants, place, require_finite
-from study.bound.ranges import ACROSS, ARC, Boxes, Pair, RangeError, along_side, require_known
+from study.bound.ranges import ACROSS, ARC, Boxes, Intervals, Pair, RangeError, along_side, require_known
 from study.fem.quadrature import Line, rough_cells
 from study.stresses.loads import EDGE_PARTS, LeftOut
 from study.stresses.oscillation import Oscillation
@@ -47,7 +47,7 @@ ORDER = 4
 """Order of the Taylor expansions of the data, which is one more than the highest degree of the Taylor polynomials."""
 CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
-Sides = Mapping[sp.Symbol, Pair]
+Sides = Mapping[sp.Symbol, Pair | Intervals]
 """The type of boxes around cells or parts of edges: for each coordinate, their lower and upper ends, (boxes,) each."""
 POOR = 0.5
 """Limit of the fraction of an error bound that is due to unknown changes of the loads between sample points.
@@ -158,7 +158,7 @@ def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
     Args:
         expressions: the formulas of the data, among them those of u_0.
     """
-    (e_11, slope), (other_slope, e_22) = np.reshape(gradient(expressions.start, (x1, x2)), (2, 2))
+    e_11, slope, other_slope, e_22 = gradient(expressions.start, (x1, x2))
     return e_11, e_22, (slope + other_slope) / sp.sqrt(2)
 
 
@@ -297,7 +297,8 @@ class Sampling:
     @cached_property
     def _cells(self) -> Sides:
         corners = self.space.mesh.p[:, self.space.mesh.t]
-        return {x: (c.min(axis=0), c.max(axis=0)) for x, c in zip((x1, x2), corners, strict=True)}
+        ends = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+        return dict(zip((x1, x2), ends, strict=True))
 
     @cached_property
     def _loaded(self) -> Sequence[tuple[Array, Sides, list[sp.Expr]]]:

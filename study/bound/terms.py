@@ -81,6 +81,7 @@ from study.bound.problem import BoundError
 from study.bound.remainders import Missed, proportional
 from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads, Snapshot, together
+from study.stresses.stress_space import interval_mass
 
 ROUNDS = 4
 """Number of iterations that improve the fractions w_i of the residual that the elasticity compensates."""
@@ -223,7 +224,7 @@ def largest_square(norms: Array) -> Array:
     return np.asarray((LEBESGUE * norms.max(axis=0)) ** 2)
 
 
-QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
+QUADRATIC = interval_mass(2, 2)
 """Integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_0, B_1, B_2 of degree 2."""
 CURVED, BENT = 1.5, 1.027
 """Factors by which values that are computed on a time interval are multiplied to bound the maximum over the interval.

@@ -94,8 +94,8 @@ class Computed:
     @property
     def at_vertices(self) -> Array:
         """The displacements u_h of the vertices at the k stored times, (k, 2, vertices)."""
-        values = self.nodes.reshape(len(self.times), -1, 2)[:, : self.mesh.p.shape[1]]
-        return values.swapaxes(1, 2)
+        at_nodes = self.nodes.reshape(len(self.times), -1, 2)
+        return at_nodes[:, : self.mesh.p.shape[1]].swapaxes(1, 2)
 
     @cached_property
     def at(self) -> Callable[[float], Array]:
@@ -183,7 +183,8 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     columns = mesh.t[:, parents]
     width = mesh.p.shape[1]
     if degree == 2:
-        values = np.array([*(2 * exact**2 - exact), *(4 * exact[a] * exact[b] for a, b in EDGES)])
+        on_edges = [4 * exact[a] * exact[b] for a, b in EDGES]
+        values = np.vstack([2 * exact**2 - exact, on_edges])
         columns = numbers_of(mesh)[:, parents]
         width += mesh.facets.shape[1]
     rows = np.tile(np.arange(count), len(values))
@@ -191,7 +192,8 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     # On an edge with the values a and b at its ends and the middle Bernstein coefficient c, the value at the midpoint
     # is c/2 + (a + b)/4. This equation is solved for c.
     at_ends = at_nodes[fine.facets[0]] + at_nodes[fine.facets[1]]
-    coefficients = sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends])
+    middle = 2.0 * at_nodes[vertices:] - 0.5 * at_ends
+    coefficients = sps.vstack([at_nodes[:vertices], middle])
     return sps.csr_array(sps.kron(coefficients, sps.eye_array(2)))
 
 
@@ -293,7 +295,9 @@ class Parabola:
             s, t: the ends of the time interval; s = t gives the value at this time.
         """
         x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
-        return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
+        left = (1 - x) * self.start + x * self.control
+        right = (1 - x) * self.control + x * self.end
+        return (1 - y) * left + y * right
 
     def rate(self, end: bool) -> Array:
         """Return the velocity, the time derivative of the parabola, at a, or at b if ``end`` is true, (dofs,)."""

@@ -181,7 +181,8 @@ class StressEncoder:
 
     def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        first, middle, last = (Loads(self._force(t), self._surface(t)) for t in (a, (a + b) / 2, b))
+        times = a, (a + b) / 2, b
+        first, middle, last = (Loads(self._force(time), self._surface(time)) for time in times)
         control = 2 * middle + -0.5 * (first + last)
         return [first, control, last]
 
@@ -271,7 +272,8 @@ class StressEncoder:
         modes = np.linalg.solve(np.array(checker.MODES).T, free)
         modes[:, 2:] /= 2.0**coarse
         numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)])
-        return np.round(numbers * 2.0**bits), np.round(inner * 2.0 ** (bits - coarse)).ravel()
+        inner_numbers = inner.ravel() * 2.0 ** (bits - coarse)
+        return np.round(numbers * 2.0**bits), np.round(inner_numbers)
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
@@ -349,7 +351,8 @@ def reference_element() -> tuple[Json, Array]:
         and monomial, (9, 3).
     """
     # Monomials of high degree are eliminated first: the columns are then ten times smaller, and low degrees stay free.
-    unknowns = sorted(product(range(3), range(3), range(10)), key=lambda place: -sum(CUBIC[place[2]]))
+    places = product(range(3), range(3), range(10))
+    unknowns = sorted(places, key=lambda place: -sum(CUBIC[place[2]]))
     no_tractions = [Poly()] * 12
     no_divergences = [Poly()] * 6
     columns = [_of_stress(*place) for place in unknowns]

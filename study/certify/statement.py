@@ -187,7 +187,9 @@ def rational_mesh(mesh: Mesh, body: Body) -> Json:
     unit = 2 ** math.ceil(math.log2(FINENESS / h))
     starts = corners(body)
     ends = [*starts[1:], starts[0]]
-    points = [tuple(Fraction(round(c * unit), unit) for c in point) for point in mesh.p.T.tolist()]
+    points = []
+    for point in mesh.p.T.tolist():
+        points.append(tuple(Fraction(round(c * unit), unit) for c in point))
     chains = []
     for part, start, end in zip(body.parts, starts, ends, strict=True):
         shares = {}
@@ -213,8 +215,9 @@ def rational_mesh(mesh: Mesh, body: Body) -> Json:
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
     """Convert a mesh of the checker, which has rational vertices, to a scikit-fem mesh in double precision."""
-    points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
-    return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
+    points = np.array([[c / mesh.h for c in point] for point in mesh.points])
+    cells = np.array([cell.v for cell in mesh.cells])
+    return simplicial_mesh(points.T, cells.T)
 
 
 class Twins:
@@ -240,7 +243,8 @@ class Twins:
         self.nodes = nearest(nodes_of(skfem), np.vstack([points, midpoints]))
         self.cells = nearest(skfem.p[:, skfem.t].mean(axis=1), centres)
         vertices = self.nodes[triangles]
-        self.corners: Array = (skfem.t.T[self.cells][:, None, :] == vertices[:, :, None]).argmax(axis=2)
+        same = skfem.t.T[self.cells][:, None, :] == vertices[:, :, None]
+        self.corners: Array = same.argmax(axis=2)
 
 
 def nearest(places: Points, points: Array) -> Array:
