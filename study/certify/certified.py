@@ -47,6 +47,7 @@ from numpy.typing import ArrayLike
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
+from manufactured.body import Kind
 from manufactured.data import Data
 from manufactured.tensors import Array, Tensors, basis
 from study.bound.discretisation import Discretisation
@@ -71,8 +72,6 @@ DISPLACEMENT_DIGITS = 38
 """Number of binary digits of the displacement ũ, relative to its largest value."""
 LOAD_BITS = 60
 """Number of binary digits to which the body forces here agree with the body forces of the checker."""
-ON_EDGE = [Fraction(i, 3) for i in range(4)]
-"""The relative positions on an edge at which the traction f_2 is interpolated by a cubic polynomial."""
 
 
 def bits_below(size: float, digits: int) -> int:
@@ -153,9 +152,9 @@ class StressEncoder:
         exact = twins.exact
         space = fine.stresses
         self.problem = problem
-        self.exact = exact
         self.twins = twins
         self.space = space
+        self._surface_load = fine.data.surface_load
         element, self._free = reference_element()
         self._loads = checker.Loads(problem, exact, LOAD_BITS)
         F = np.array([cell.F for cell in exact.cells], dtype=float).reshape(-1, 2, 2) / exact.h
@@ -168,9 +167,8 @@ class StressEncoder:
             for i in range(3):
                 sides[cell.v[i - 2], cell.v[i - 1]] = number, i
         layout = checker.Stresses(exact, {"bits": 1, "coarse": 0}, checker.Element.of(element))
-        self._contact = len(layout.contact)
-        self._loaded = layout.loaded
         edges = [*layout.contact, *layout.loaded, *layout.free]
+        self._ends = np.cumsum([len(layout.contact), len(layout.loaded)])
         cells, places = np.array([sides[edge] for edge in edges]).T
         self._sides = twins.cells[cells], twins.corners[cells, places]
         self._edges = space.edges[self._sides]
@@ -208,17 +206,14 @@ class StressEncoder:
         return monomials.reshape(len(X), 3, -1, len(exponents))
 
     def _surface(self, time: Fraction) -> Array:
-        """Return the traction f_2 at a time as in ``Loads.surface``, interpolated on every loaded edge."""
+        """Return the traction f_2 at a time as in ``Loads.surface``, interpolated by a cubic on every loaded edge."""
+        mesh = self.space.mesh
+        x = np.linspace(0, 1, 4)
         values = np.zeros((len(self.space.lengths), 4, 2))
-        for n, edge in enumerate(self._loaded, start=self._contact):
-            load = self.exact.boundary[edge].load
-            p, q = (self.exact.place(v) for v in edge)
-            along = []
-            for share in ON_EDGE:
-                place = [a + share * (b - a) for a, b in zip(p, q, strict=True)]
-                along.append([value_of(f, (*place, time)) for f in load])
-            values[self._edges[n]] = along[::-1] if self._backward[n] else along
-        x = np.array(ON_EDGE, dtype=float)
+        for part, edges in self.space.on(Kind.LOADED):
+            start, end = np.moveaxis(mesh.p[:, mesh.facets[:, edges]], 1, 0)
+            points = start[..., None] + np.multiply.outer(end - start, x)
+            values[edges] = np.moveaxis(self._surface_load(part, points)(float(time)), 0, -1)
         return np.linalg.solve(bernstein(3, np.array([1 - x, x])).T, values)
 
     def tractions(self, stress: EquilibratedStress) -> Array:
@@ -248,7 +243,7 @@ class StressEncoder:
         row, column = np.array([[0, 0], [1, 1], [0, 1]])[component].T
         cells = np.arange(len(hat))[:, None]
         inner: Array = hat[cells, self.twins.corners[:, third], monomial, row, column]
-        return inner * self.exact.h
+        return inner * self.twins.exact.h
 
     def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[Array, Array]:
         """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
@@ -265,8 +260,8 @@ class StressEncoder:
             The numbers of the tractions, in the order of ``checker.Stresses.tractions``: four for each edge of Γ3,
             eight for each other edge, in one row. And the inner numbers, (9 cells,).
         """
-        contact, loaded, free = np.split(tractions, [self._contact, self._contact + len(self._loaded)])
-        n = self._normals[: self._contact, None]
+        contact, loaded, free = np.split(tractions, self._ends)
+        n = self._normals[: len(contact), None]
         normal = (contact * n).sum(axis=2) / (n * n).sum(axis=2)
         pressed = np.minimum(normal, 0)
         modes = np.linalg.solve(np.array(checker.MODES).T, free)
@@ -274,20 +269,6 @@ class StressEncoder:
         numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)])
         inner_numbers = inner.ravel() * 2.0 ** (bits - coarse)
         return np.round(numbers * 2.0**bits), np.round(inner_numbers)
-
-
-def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula of the checker at a point in space and time.
-
-    Args:
-        formula: the terms of the formula.
-        place: the coordinates (x, y, t).
-    """
-    value = Fraction(0)
-    for term in formula:
-        p = term(*map(checker.constant, place)).plain()
-        value += p.get((0, 0, 0), 0) if p else 0
-    return float(value)
 
 
 INNER = 9
