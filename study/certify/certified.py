@@ -99,17 +99,18 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
         The integers at each time, x and y in turn, (times, 2 (vertices + edges)).
     """
     normals = defaultdict[int, set[checker.Vector]](set)
-    clamped = set[int]()
+    clamped: list[int] = []
     for edge, side in mesh.boundary.items():
+        nodes = mesh.nodes_of(edge)
         if side.kind == "clamped":
-            clamped.update(mesh.nodes_of(edge))
+            clamped += nodes
         elif side.kind == "contact":
-            for n in mesh.nodes_of(edge):
+            for n in nodes:
                 normals[n].add(side.normal)
     integers = np.round(values * 2.0**bits).astype(np.int64)
     for n, of_node in normals.items():
         integers[:, n] = [admissible(v, of_node) for v in integers[:, n].tolist()]
-    integers[:, [*clamped]] = 0
+    integers[:, clamped] = 0
     return integers.reshape(len(integers), -1)
 
 
@@ -132,7 +133,8 @@ def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> lis
     steps = 0
     for N in normals:
         # N is a pair of fractions, so the quotient is exact.
-        steps = max(steps, math.ceil(checker.dot(value, N) / -checker.dot((p, q), N)))
+        needed = checker.dot(value, N) / -checker.dot((p, q), N)
+        steps = max(steps, math.ceil(needed))
     return [value[0] + steps * p, value[1] + steps * q]
 
 
@@ -179,16 +181,15 @@ class StressEncoder:
 
     def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        times = a, (a + b) / 2, b
-        first, middle, last = (Loads(self._force(time), self._surface(time)) for time in times)
-        control = 2 * middle + -0.5 * (first + last)
-        return [first, control, last]
+        first, middle, last = (self._surface(float(time)) for time in (a, (a + b) / 2, b))
+        surfaces = first, 2 * middle - (first + last) / 2, last
+        forces = map(self._force, self._loads.controls(a, b))
+        return list(map(Loads, forces, surfaces))
 
-    def _force(self, time: Fraction) -> Array:
-        """Return the body force of the checker at a time as in ``Loads.force``."""
+    def _force(self, control: list[Poly]) -> Array:
+        """Return a Bernstein coefficient in time of the body force of the checker as in ``Loads.force``."""
         coefficients = np.zeros((self.space.cells, 3, 6, 2))
-        at_time = [p(X, Y, checker.constant(time)) for p in self.problem.force]
-        numbers = self._loads.on_cells(at_time)
+        numbers = self._loads.on_cells(control)
         if numbers:
             force = np.array(numbers, dtype=float).reshape(-1, 1, 6, 2) / 2.0**LOAD_BITS
             force /= self._twice_area[:, None, None, None]
@@ -205,7 +206,7 @@ class StressEncoder:
         monomials = np.stack([X**i * Y**j for i, j, _ in exponents], axis=-1)
         return monomials.reshape(len(X), 3, -1, len(exponents))
 
-    def _surface(self, time: Fraction) -> Array:
+    def _surface(self, time: float) -> Array:
         """Return the traction f_2 at a time as in ``Loads.surface``, interpolated by a cubic on every loaded edge."""
         mesh = self.space.mesh
         x = np.linspace(0, 1, 4)
@@ -213,7 +214,8 @@ class StressEncoder:
         for part, edges in self.space.on(Kind.LOADED):
             start, end = np.moveaxis(mesh.p[:, mesh.facets[:, edges]], 1, 0)
             points = start[..., None] + np.multiply.outer(end - start, x)
-            values[edges] = np.moveaxis(self._surface_load(part, points)(float(time)), 0, -1)
+            f_2 = self._surface_load(part, points)
+            values[edges] = np.moveaxis(f_2(time), 0, -1)
         return np.linalg.solve(bernstein(3, np.array([1 - x, x])).T, values)
 
     def tractions(self, stress: EquilibratedStress) -> Array:
@@ -221,9 +223,10 @@ class StressEncoder:
 
         Edges are in the order of ``checker.Stresses``: contact, loaded, free. ν points to the right of an edge.
         """
-        cartesian = stress.tractions[self._sides] @ self.space.frames[self._edges]
-        along = np.where(self._backward[:, None, None], cartesian[:, ::-1], cartesian)
-        return along * self.space.lengths[self._edges, None, None]
+        space = self.space
+        cartesian = stress.tractions[self._sides] @ space.frames[self._edges]
+        cartesian[self._backward] = cartesian[self._backward, ::-1]
+        return cartesian * space.lengths[self._edges, None, None]
 
     def inner(self, values: Tensors) -> Array:
         """Return the nine inner numbers of every cell of a stress, (cells, 9).
@@ -409,13 +412,12 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     Returns:
         The four independent components of Φ at the vertices, (vertices, 4), and κ.
     """
-    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
     # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
     rows = []
     right = []
     cones = []
-    for linear, constant in blocks:
+    for linear, constant in (*_inside(mesh, problem, inside), *_on_boundary(mesh)):
         j, i = np.tril_indices(len(constant))
         scale = np.where(i == j, 1.0, np.sqrt(2))
         rows.append(sps.csr_matrix(-scale[:, None] * linear[i, j]))
@@ -428,8 +430,8 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     matrix = sps.csc_matrix(sps.vstack(rows))
     quadratic = sps.csc_matrix((unknowns, unknowns))
     solver = clarabel.DefaultSolver(quadratic, objective, matrix, np.concatenate(right), cones, settings)
-    x = np.array(solver.solve().x)
-    return x[:-1].reshape(-1, 4), float(x[-1])
+    *field, kappa = solver.solve().x
+    return np.array(field).reshape(-1, 4), kappa
 
 
 def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
