@@ -350,8 +350,8 @@ def reference_element() -> tuple[Json, Array]:
         force = [Poly(), Poly()]
         force[d] = Poly({key: Fraction(1)})
         columns.append(_coefficients(no_tractions, force * 3))
-    matrix = [[QQ(x.numerator, x.denominator) for x in row] for row in zip(*columns, strict=True)]
-    null_space = DomainMatrix(matrix, (len(matrix), len(columns)), QQ).nullspace(divide_last=True)
+    equations = [[x.as_integer_ratio() for x in row] for row in zip(*columns, strict=True)]
+    null_space = DomainMatrix.from_list(equations, QQ).nullspace(divide_last=True)
     solutions = null_space.to_list()
     # In each solution, the last coefficient that is not 0 is the degree of freedom, which is 1.
     free = [max(n for n, x in enumerate(row) if x) for row in solutions[:INNER]]
@@ -413,11 +413,13 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
         The four independent components of Φ at the vertices, (vertices, 4), and κ.
     """
     unknowns = 4 * len(mesh.points) + 1
+    *components, kappa = np.eye(unknowns)
+    phi = np.reshape(components, (-1, 4, unknowns))
     # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
     rows = []
     right = []
     cones = []
-    for linear, constant in (*_inside(mesh, problem, inside), *_on_boundary(mesh)):
+    for linear, constant in (*_inside(mesh, problem, phi, inside * kappa), *_on_boundary(mesh, phi, kappa)):
         j, i = np.tril_indices(len(constant))
         scale = np.where(i == j, 1.0, np.sqrt(2))
         rows.append(sps.csr_matrix(-scale[:, None] * linear[i, j]))
@@ -430,35 +432,38 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     matrix = sps.csc_matrix(sps.vstack(rows))
     quadratic = sps.csc_matrix((unknowns, unknowns))
     solver = clarabel.DefaultSolver(quadratic, objective, matrix, np.concatenate(right), cones, settings)
-    *field, kappa = solver.solve().x
-    return np.array(field).reshape(-1, 4), kappa
+    *field, largest = solver.solve().x
+    return np.reshape(field, (-1, 4)), largest
 
 
-def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
+def _inside(mesh: checker.Mesh, problem: checker.Problem, phi: Array, mu: Array) -> Iterator[tuple[Array, Array]]:
     """Yield the conditions of the programme at the vertices of the cells, as linear functions of the unknowns.
 
-    The unknowns are the values of Φ, then κ. Each condition is the matrix with the Schur complement in the docstring of
-    the module. It is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5).
+    The unknowns are the values of Φ, then κ. Each condition is the upper triangle of the matrix with the Schur
+    complement in the docstring of the module. It is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5).
+
+    Args:
+        mesh: the mesh on which Φ is linear.
+        problem: the problem.
+        phi: the four components of Φ at each vertex, (vertices, 4, unknowns).
+        mu: the constant μ, (unknowns,).
     """
     constant = -SEMIDEFINITE_MARGIN * np.eye(5)
     constant[2:, 2:] = np.array(problem.A, dtype=float)
     for cell in mesh.cells:
-        divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
         a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
         slopes = (c - d, b - a), (d, -b), (-c, a)
+        divergence = -np.multiply.outer(np.eye(2), mu)
         for v, slope in zip(cell.v, slopes, strict=True):
-            divergence[:2, :2] += _contracted(mesh, v, slope)
-        divergence[[0, 1], [0, 1], -1] -= inside
+            divergence += _contracted(phi[v], slope)
         for v in cell.v:
-            block = divergence.copy()
-            # The components 11, 22 and 12 of the stress Φv are the components 0 and 1, 2 and 3, 1 and 2 of Φ.
-            for stress, component in ((2, 0), (3, 2), (4, 1)):
-                first = 4 * v + component
-                block[[0, 1], stress, [first, first + 1]] += 1
+            block = np.zeros((5, 5, len(mu)))
+            block[:2, :2] = divergence
+            block[:2, 2:] = phi[v, ((0, 2, 1), (1, 3, 2))]  # rows: the stresses Φe_1 and Φe_2
             yield block, constant
 
 
-def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
+def _on_boundary(mesh: checker.Mesh, phi: Array, kappa: Array) -> Iterator[tuple[Array, Array]]:
     """Yield the conditions of the programme at the ends of edges outside Γ1, in the same form as ``_inside``.
 
     The matrix is −Φ(ν), and on loaded edges −Φ(ν) − κ 1.
@@ -469,23 +474,16 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
         normal = np.array(side.normal, dtype=float)
         normal /= np.linalg.norm(normal)
         for v in edge:
-            block = -_contracted(mesh, v, normal)
+            block = -_contracted(phi[v], normal)
             if side.load:
-                block[[0, 1], [0, 1], -1] -= 1
+                block -= np.multiply.outer(np.eye(2), kappa)
             yield block, -SEMIDEFINITE_MARGIN * np.eye(2)
 
 
-def _contracted(mesh: checker.Mesh, v: int, vector: ArrayLike) -> Array:
-    """Return the upper triangle of the matrix Φ·vector at a vertex v as a linear function of the unknowns.
-
-    The shape is (2, 2, unknowns). The unknowns are the four components of Φ at each vertex, then κ.
-    """
-    block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
-    # An entry of Φ·vector contains two neighbouring components of Φ.
-    for component, entry in enumerate(((0, 0), (0, 1), (1, 1))):
-        first = 4 * v + component
-        block[entry][first : first + 2] = vector
-    return block
+def _contracted(components: Array, vector: ArrayLike) -> Array:
+    """Return the matrix Φ·vector at a vertex from the components of Φ, (4, unknowns) → (2, 2, unknowns)."""
+    p, q, r = (np.dot(vector, components[k : k + 2]) for k in range(3))
+    return np.array([[p, q], [q, r]])
 
 
 CONSTANTS_LEVEL = 12
