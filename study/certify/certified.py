@@ -83,7 +83,9 @@ def bits_below(size: float, digits: int) -> int:
         size: the largest absolute value of the numbers.
         digits: the number of binary digits of the largest integer.
     """
-    return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
+    if not size:
+        return 1
+    return max(digits - math.ceil(math.log2(size)), 1)
 
 
 def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
@@ -159,7 +161,8 @@ class StressEncoder:
         self._surface_load = fine.data.surface_load
         element, self._free = reference_element()
         self._loads = checker.Loads(problem, exact, LOAD_BITS)
-        F = np.array([cell.F for cell in exact.cells], dtype=float).reshape(-1, 2, 2) / exact.h
+        maps = np.array([cell.F for cell in exact.cells], dtype=float) / exact.h
+        F = maps.reshape(-1, 2, 2)
         self._twice_area = np.linalg.det(F)
         self._adjugate = np.linalg.inv(F) * self._twice_area[:, None, None]
         self._fit = np.linalg.pinv(self._monomials(checker.CUBIC))
@@ -191,10 +194,11 @@ class StressEncoder:
         coefficients = np.zeros((self.space.cells, 3, 6, 2))
         numbers = self._loads.on_cells(control)
         if numbers:
-            force = np.array(numbers, dtype=float).reshape(-1, 1, 6, 2) / 2.0**LOAD_BITS
-            force /= self._twice_area[:, None, None, None]
-            values = self._monomials(checker.SQUARE) @ force
-            coefficients[self.twins.cells] = np.linalg.pinv(self.space.force_shapes.T) @ values
+            force = np.array(numbers, dtype=float) / 2.0**LOAD_BITS
+            force /= self._twice_area[:, None]
+            values = self._monomials(checker.SQUARE) @ force.reshape(-1, 1, 6, 2)
+            fit = np.linalg.pinv(self.space.force_shapes.T)
+            coefficients[self.twins.cells] = fit @ values
         return coefficients
 
     def _monomials(self, exponents: list[tuple[int, int, int]]) -> Array:
@@ -295,8 +299,10 @@ SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
 
 def _coefficients(tractions: list[Poly], divergences: list[Poly]) -> list[Fraction]:
     """Return the coefficients of 12 cubic polynomials on edges and of 6 polynomials of degree 2 on subtriangles."""
-    on_edges = [p.get((n, 0, 0), Fraction(0)) for p in tractions for n in range(4)]
-    return on_edges + [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
+    zero = Fraction(0)
+    on_edges = [p.get((n, 0, 0), zero) for p in tractions for n in range(4)]
+    in_thirds = [p.get(key, zero) for p in divergences for key in SQUARE]
+    return on_edges + in_thirds
 
 
 def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
@@ -311,14 +317,14 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
     jumps = []
     divergences = []
     for i in range(3):
-        first = (i + 1) % 3
-        second = (i + 2) % 3
-        outside += checker.tractions(stress[i], CORNERS[first], CORNERS[second])
-        left = checker.tractions(stress[first], CORNERS[i], CENTRE)
-        right = checker.tractions(stress[second], CORNERS[i], CENTRE)
+        # A negative number counts from the end.
+        outside += checker.tractions(stress[i], CORNERS[i - 2], CORNERS[i - 1])
+        left = checker.tractions(stress[i - 2], CORNERS[i], CENTRE)
+        right = checker.tractions(stress[i - 1], CORNERS[i], CENTRE)
         jumps += [p - q for p, q in zip(left, right, strict=True)]
         x, y, z = (checker.combination(checker.PLAIN, values) for values in stress[i])
-        divergences += [x.slope(0) + z.slope(1), z.slope(0) + y.slope(1)]
+        divergences.append(x.slope(0) + z.slope(1))
+        divergences.append(z.slope(0) + y.slope(1))
     return _coefficients(outside + jumps, divergences)
 
 
@@ -357,7 +363,8 @@ def reference_element() -> tuple[Json, Array]:
     free = [max(n for n, x in enumerate(row) if x) for row in solutions[:INNER]]
     order = sorted(range(len(unknowns)), key=unknowns.__getitem__)
     stresses = [[Fraction(str(row[n])) for n in order] for row in solutions]
-    numerators, over = checker.common(stresses[INNER:] + stresses[:INNER])
+    prescribed_first = stresses[INNER:] + stresses[:INNER]
+    numerators, over = checker.common(prescribed_first)
     return {"over": over, "columns": numerators}, np.array(unknowns)[free]
 
 
@@ -543,22 +550,26 @@ def make_certificate(
     twins = Twins(fine.mesh, exact)
     nodes = list(refined.nodes(fine, u_h))
     u = np.array([fine.displacements.coefficients(node)[twins.nodes] for _, node in nodes])
-    bits = bits_below(float(abs(u).max()), DISPLACEMENT_DIGITS)
+    bits = bits_below(abs(u).max(), DISPLACEMENT_DIGITS)
     m = max(0.0, float(fine.moduli.values.min()))
     damping = Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING)
     mesh_of_constants = rational_mesh(Unstructured()(data.body, CONSTANTS_LEVEL), data.body)
+    proved = constants(mesh_of_constants, problem)
+    displacement = {"bits": bits, "nodes": differences(rounded(exact, u, bits))}
+    encoder = StressEncoder(problem, twins, fine)
+    stress = _rounded_stresses(encoder, fine, nodes, progress)
     return {
         "format": checker.FORMAT,
         "level": level,
         "problem": stated,
-        "constants": constants(mesh_of_constants, problem),
+        "constants": proved,
         "m": str(damping),
         "mesh": mesh,
         "refinements": refined.refinements,
         "computed": u_h.nodes.tolist(),
         "element": reference_element()[0],
-        "displacement": {"bits": bits, "nodes": differences(rounded(exact, u, bits))},
-        "stress": _rounded_stresses(StressEncoder(problem, twins, fine), fine, nodes, progress),
+        "displacement": displacement,
+        "stress": stress,
     }
 
 
@@ -595,7 +606,7 @@ def _rounded_stresses(
         stresses.append(stress_at(end, piece.end, last))
         progress(piece.b)
     # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
-    largest = max(float(abs(tractions).max()) for tractions, _ in stresses)
+    largest = max(abs(tractions).max() for tractions, _ in stresses)
     bits = bits_below(largest, FINE_DIGITS)
     coarse = FINE_DIGITS - COARSE_DIGITS
     tractions, inner = zip(*(encoder.integers(*stress, bits, coarse) for stress in stresses), strict=True)
@@ -613,9 +624,11 @@ def differences(rows: ArrayLike) -> list[list[int]]:
     """
     # They become integers of Python, because 64 bits may be too few.
     integers = np.frompyfunc(int, 1, 1)(np.array(rows))
-    return np.diff(np.diff(integers, axis=0, prepend=0), axis=0, prepend=0).tolist()
+    first = np.diff(integers, axis=0, prepend=0)
+    return np.diff(first, axis=0, prepend=0).tolist()
 
 
 def write(path: Path, certificate: Json) -> Path:
     """Write a certificate to a file and return its path; equal certificates give identical files."""
-    return write_packed(path, json.dumps(certificate, separators=(",", ":")))
+    text = json.dumps(certificate, separators=(",", ":"))
+    return write_packed(path, text)

@@ -50,8 +50,9 @@ def rational(x: float, tolerance: float = 0.0) -> Fraction:
         x: the number.
         tolerance: the largest relative distance of the simple fraction from x. With 0, the fraction must round to x.
     """
-    simple = Fraction(x).limit_denominator(SIMPLE)
-    return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)
+    exact = Fraction(x)
+    simple = exact.limit_denominator(SIMPLE)
+    return simple if abs(float(simple) - x) <= tolerance * abs(x) else exact
 
 
 def statement(data: Data) -> Json:
@@ -122,7 +123,8 @@ def voigt(matrix: Array) -> list[list[Fraction]]:
     """
     scale = np.sqrt([1.0, 1.0, 0.5])
     # The factors √2 were rounded twice, so a simple fraction that differs by no more than this error is taken as exact.
-    values = scale[:, None] * ((matrix + matrix.T) / 2) * scale
+    symmetric = (matrix + matrix.T) / 2
+    values = scale[:, None] * symmetric * scale
     return [[rational(c, ROUNDED_TWICE) for c in row] for row in values.tolist()]
 
 
@@ -153,12 +155,13 @@ def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
     """Split a summand p · pos(g, q) of a formula into p and the pair (g, q); ``name`` is for messages."""
     if not summand.has(pos):
         return summand, (sp.Integer(0), 0)
-    plain, truncated = summand.as_independent(pos, as_Add=False)
+    factor, truncated = summand.as_independent(pos, as_Add=False)
     base, power = truncated.as_base_exp()
-    q = base.args[1] * power if isinstance(base, pos) else sp.nan
+    g, exponent = base.args if isinstance(base, pos) else (base, sp.nan)
+    q = exponent * power
     if not q.is_Integer or q < 1:
         raise BoundError(f"{name} has the summand {summand}; {SERVED}, q = 1, 2, …")
-    return plain, (sp.expand(base.args[0]), int(q))
+    return factor, (sp.expand(g), int(q))
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
@@ -200,11 +203,12 @@ def rational_mesh(mesh: Mesh, body: Body) -> Json:
                 share = Fraction(round(position * unit), unit)
             points[v] = tuple(a + share * (b - a) for a, b in zip(start, end, strict=True))
             shares[v] = share
-        chains.append(sorted(shares, key=shares.__getitem__))
+        chain = sorted(shares, key=shares.__getitem__)
+        chains.append(chain)
     denominator = math.lcm(*(c.denominator for point in points for c in point))
     cells = mesh.t.copy()
-    turned = determinants(mesh.p, cells) < 0
-    cells[1:, turned] = cells[:0:-1, turned]
+    clockwise = determinants(mesh.p, cells) < 0
+    cells[1:, clockwise] = cells[:0:-1, clockwise]
     return {
         "denominator": denominator,
         "points": [[int(c * denominator) for c in point] for point in points],
