@@ -299,8 +299,9 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
         rows: for each level, in the order of the levels, the entry "row" of the result of ``record``.
     """
     table = pd.DataFrame(rows)
-    for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
-        table[[f"{name}_low", f"{name}_high"]] = [_order(*pair) for pair in zip(earlier, rows, strict=True)]
+    table[["order_low", "order_high"]] = [_order(rows[0], row) for row in rows]
+    previous = [rows[0], *rows[:-1]]
+    table[["pair_low", "pair_high"]] = list(map(_order, previous, rows))
     table["kind"] = table.pop("kind")  # the last column
     return table
 

@@ -343,8 +343,12 @@ def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio
         fine: an interval that contains the error E' ≥ 0 on the mesh of size h' < h.
         ratio: the logarithm log(h/h') of the ratio of both mesh sizes.
     """
-    low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf
-    high = math.log(coarse[1] / fine[0]) / ratio if fine[0] > 0 else math.inf
+    low = -math.inf
+    high = math.inf
+    if coarse[0] > 0:
+        low = math.log(coarse[0] / fine[1]) / ratio
+    if fine[0] > 0:
+        high = math.log(coarse[1] / fine[0]) / ratio
     return low, high
 
 
