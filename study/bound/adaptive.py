@@ -175,27 +175,27 @@ def marked(shares: Array, part: float) -> Array:
     return np.sort(order[: last + 1])
 
 
-def record(number: int, found: Adapted) -> dict[str, Any]:
+def record(number: int, solution: Adapted) -> dict[str, Any]:
     """Return the results on one mesh as a dict.
 
     Args:
         number: the number of the mesh in the sequence of refinements.
-        found: the solution on this mesh and the bound of its error.
+        solution: the solution on this mesh and the bound of its error.
 
     Returns:
         ``row``: the row of ``adaptive.csv``; ``inside``: whether the error lies between its bounds, if the error is
         known; ``sentences``: texts that say whether the bound is guaranteed.
     """
-    enclosure = found.enclosure
+    enclosure = solution.enclosure
     row = {
         "mesh": number,
-        "cells": found.computed.space.cells,
-        "dofs": found.computed.space.dofs,
-        "steps": found.computed.steps,
+        "cells": solution.computed.space.cells,
+        "dofs": solution.computed.space.dofs,
+        "steps": solution.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,
         "percent": 100 * relative((enclosure.lowest, enclosure.highest), enclosure.norm)[1],
-        "in_time": found.shares.time / found.shares.total,
+        "in_time": solution.shares.time / solution.shares.total,
         "kind": enclosure.evidence.kind,
     }
     return {"row": row, "inside": enclosure.contains, "sentences": list(enclosure.evidence.sentences)}

@@ -225,20 +225,20 @@ def why_no_plain(coarse: Discretisation, computed: Computed) -> str:
     return ""
 
 
-def series(level: int, found: BoundedSolution) -> pd.DataFrame:
+def series(level: int, solution: BoundedSolution) -> pd.DataFrame:
     """Return the rows of ``enclosure.csv`` for one level: the bounds of the error at every time of the enclosure.
 
     Args:
         level: the level of the mesh.
-        found: the displacement u_h and the bounds of its error.
+        solution: the displacement u_h and the bounds of its error.
     """
-    enclosure = found.enclosure
+    enclosure = solution.enclosure
     frame = pd.DataFrame({"level": level, "time": enclosure.times})
     for name in ("error", "lower", "distance", "bound"):
         frame[name] = getattr(enclosure, name)
-    frame["plain"] = found.plain.bound_at(enclosure.times) if found.plain else math.nan
+    frame["plain"] = solution.plain.bound_at(enclosure.times) if solution.plain else math.nan
     frame["upper"] = np.fmin(enclosure.upper, frame["plain"])
-    low, high = relative((frame["lower"], frame["upper"]), found.norm)
+    low, high = relative((frame["lower"], frame["upper"]), solution.norm)
     frame["percent_low"] = 100 * low
     frame["percent_high"] = 100 * high
     # Rounding outward, because the printed interval must contain the computed one.
@@ -250,12 +250,12 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     return frame.round(dict.fromkeys(("time", "error", "distance"), WRITTEN_DECIMALS))
 
 
-def record(level: int, found: BoundedSolution) -> dict[str, Any]:
+def record(level: int, solution: BoundedSolution) -> dict[str, Any]:
     """Return the results on one level as a dict, from which tables and text are made.
 
     Args:
         level: the level of the mesh.
-        found: the displacement and the bounds of its error.
+        solution: the displacement and the bounds of its error.
 
     Returns:
         ``row``: the row of ``levels.csv`` without orders; ``series``: the rows of ``enclosure.csv``; ``inside``:
@@ -263,27 +263,30 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         bounds are guaranteed; ``on_cells``: for static problems the squared distance ‖ũ − u_h‖² of u_h from the more
         accurate displacement ũ on every cell.
     """
-    enclosure = found.enclosure
+    enclosure = solution.enclosure
+    lowest, highest = solution.error
+    norm_low, norm_high = solution.norm
+    low, high = solution.relative
     row = {
         "level": level,
         "h": enclosure.h,
-        "dofs": found.computed.space.dofs,
-        "steps": len(found.computed.times) - 1,
+        "dofs": solution.computed.space.dofs,
+        "steps": len(solution.computed.times) - 1,
         "error": float(enclosure.error.max()),
-        "lowest": found.error[0],
-        "highest": found.error[1],
-        "plain": found.plain.highest if found.plain else math.nan,
-        "norm_low": found.norm[0],
-        "norm_high": found.norm[1],
-        "percent_low": 100 * found.relative[0],
-        "percent_high": 100 * found.relative[1],
+        "lowest": lowest,
+        "highest": highest,
+        "plain": solution.plain.highest if solution.plain else math.nan,
+        "norm_low": norm_low,
+        "norm_high": norm_high,
+        "percent_low": 100 * low,
+        "percent_high": 100 * high,
         "kind": enclosure.evidence.kind,
     }
     return {
         "row": row,
-        "series": series(level, found).to_dict("list"),
-        "inside": enclosure.contains and (found.plain is None or found.plain.contains),
-        "sentences": [*enclosure.evidence.sentences, *found.remarks],
+        "series": series(level, solution).to_dict("list"),
+        "inside": enclosure.contains and (solution.plain is None or solution.plain.contains),
+        "sentences": [*enclosure.evidence.sentences, *solution.remarks],
         "on_cells": enclosure.on_cells.tolist(),
     }
 

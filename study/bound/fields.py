@@ -133,12 +133,12 @@ def _refuse_packed(path: Path) -> None:
     _refuse_larger(path, sum(entry.file_size for entry in entries))
 
 
-def _refuse_larger(path: Path, whole: int) -> None:
+def _refuse_larger(path: Path, total: int) -> None:
     """Raise BoundError if the content of a file, in bytes, is so large that the file was made to fill the memory."""
     size = path.stat().st_size
-    if whole > max(UNSUSPICIOUS, UNPACKING_FACTOR * size):
+    if total > max(UNSUSPICIOUS, UNPACKING_FACTOR * size):
         raise BoundError(
-            f"{path} has {size} bytes and unpacks to {whole} bytes, more than {UNPACKING_FACTOR} times as many, as no "
+            f"{path} has {size} bytes and unpacks to {total} bytes, more than {UNPACKING_FACTOR} times as many, as no "
             "displacement does: if it is one, write it without compression"
         )
 

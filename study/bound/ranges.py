@@ -103,10 +103,10 @@ def times(a: Intervals, b: Intervals) -> Intervals:
         a, b: the intervals, by their lower and then their upper ends, (2, ...) each.
     """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
-        every = np.array([x * y for x in a for y in b])
-        if np.isnan(every.min()):  # a product 0 · ∞
-            every[np.isnan(every)] = 0.0
-        ends = enclosed(every.min(axis=0), every.max(axis=0))
+        products = np.array([x * y for x in a for y in b])
+        if np.isnan(products.min()):  # a product 0 · ∞
+            products[np.isnan(products)] = 0.0
+        ends = enclosed(products.min(axis=0), products.max(axis=0))
     zero = ~ends.any(axis=0)
     if zero.any():
         zero &= a.any(axis=0) & b.any(axis=0)
