@@ -19,7 +19,6 @@ from skfem import Mesh
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, compute_static, enclose, enclose_static, known_error, relative
@@ -130,12 +129,12 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
     """
     boundary_parts(stage.mesh, data.body)
     discretisation = Discretisation(data, stage.mesh)
-    if isinstance(data, Static):
-        static = compute_static(discretisation)
-        return Adapted(static, *enclose_static(discretisation, static, None))
+    if not data.in_time:
+        computed = compute_static(discretisation)
+        return Adapted(computed, *enclose_static(discretisation, computed, None))
     computed = compute(discretisation, scheme, stage.steps)
-    found = enclose(discretisation, computed, SmoothedInTime(), known_error(case, computed))
-    return Adapted(computed, found, found.shares(discretisation.moduli))
+    enclosure = enclose(discretisation, computed, SmoothedInTime(), known_error(case, computed))
+    return Adapted(computed, enclosure, enclosure.shares(discretisation.moduli))
 
 
 def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
@@ -151,7 +150,7 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
         in_time: the contribution of the time steps to the error bound.
     """
     part = in_time / (float(cells.sum()) + in_time)
-    steps = stage.steps * (2 if part > SHARE_IN_TIME else 1)
+    steps = 2 * stage.steps if part > SHARE_IN_TIME else stage.steps
     if part > 1 - SHARE_IN_TIME:
         return Stage(stage.mesh, steps)
     return Stage(stage.mesh.refined(marked(cells, PART)), steps)
@@ -172,30 +171,31 @@ def marked(shares: Array, part: float) -> Array:
     """
     order = np.argsort(-shares, kind="stable")
     sums = np.cumsum(shares[order])
-    return np.sort(order[: int(np.searchsorted(sums, part * sums[-1] * (1 - 1e-12))) + 1])
+    last = np.searchsorted(sums, part * sums[-1] * (1 - 1e-12))
+    return np.sort(order[: last + 1])
 
 
-def record(number: int, found: Adapted) -> dict[str, Any]:
+def record(number: int, solution: Adapted) -> dict[str, Any]:
     """Return the results on one mesh as a dict.
 
     Args:
         number: the number of the mesh in the sequence of refinements.
-        found: the solution on this mesh and the bound of its error.
+        solution: the solution on this mesh and the bound of its error.
 
     Returns:
         ``row``: the row of ``adaptive.csv``; ``inside``: whether the error lies between its bounds, if the error is
         known; ``sentences``: texts that say whether the bound is guaranteed.
     """
-    enclosure = found.enclosure
+    enclosure = solution.enclosure
     row = {
         "mesh": number,
-        "cells": int(found.computed.mesh.t.shape[1]),
-        "dofs": found.computed.space.dofs,
-        "steps": found.computed.steps,
+        "cells": solution.computed.space.cells,
+        "dofs": solution.computed.space.dofs,
+        "steps": solution.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,
         "percent": 100 * relative((enclosure.lowest, enclosure.highest), enclosure.norm)[1],
-        "in_time": found.shares.time / found.shares.total,
+        "in_time": solution.shares.time / solution.shares.total,
         "kind": enclosure.evidence.kind,
     }
     return {"row": row, "inside": enclosure.contains, "sentences": list(enclosure.evidence.sentences)}
@@ -207,13 +207,14 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     The column ``order`` compares each mesh with the previous one. For the bounds b, b' and the numbers N, N' of
     unknowns on the two meshes, it is log(b/b')/log(N'/N).
     """
-    found = pd.DataFrame(rows)
-    unknowns, bounds = np.log(found["dofs"]).diff(), -np.log(found["bound"]).diff()
+    frame = pd.DataFrame(rows)
+    unknowns = np.log(frame["dofs"]).diff()
+    bounds = -np.log(frame["bound"]).diff()
     for name in ("bound", "percent"):
-        found[name] = [float(up(value, 9)) if value < math.inf else value for value in found[name]]
-    found["in_time"] = found["in_time"].round(4)
-    found.insert(len(found.columns) - 1, "order", (bounds / unknowns.where(unknowns > 0)).round(3))
-    return found
+        frame[name] = [float(up(value, 9)) if value < math.inf else value for value in frame[name]]
+    frame["in_time"] = frame["in_time"].round(4)
+    frame.insert(len(frame.columns) - 1, "order", (bounds / unknowns.where(unknowns > 0)).round(3))
+    return frame
 
 
 def stage_file(directory: Path, number: int) -> Path:

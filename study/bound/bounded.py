@@ -13,7 +13,6 @@ import pandas as pd
 from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import (
@@ -97,7 +96,7 @@ def steps_on(data: Data, level: int, wanted: int | None) -> int:
         level: the level of the mesh.
         wanted: the number that the user wants; None for the number that ``rate_steps`` gives for this level.
     """
-    return 1 if isinstance(data, Static) else wanted or rate_steps(data.body.T, level)
+    return (wanted or rate_steps(data.body.T, level)) if data.in_time else 1
 
 
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
@@ -168,8 +167,7 @@ def bounded_solution(
         progress: a function that is called with each time up to which the enclosure is computed.
     """
     discretisation = Discretisation(data, family(data.body, level))
-    static = isinstance(data, Static)
-    computed = compute_static(discretisation) if static else compute(discretisation, scheme, steps)
+    computed = compute(discretisation, scheme, steps) if data.in_time else compute_static(discretisation)
     return both_bounds(discretisation, computed, refined, known_error(case, computed), progress)
 
 
@@ -177,8 +175,8 @@ def both_bounds(
     coarse: Discretisation,
     computed: Computed,
     refined: Refined,
-    error: Callable[[float, Array], float] | None = None,
-    progress: Callable[[float], object] = lambda time: None,
+    error: Callable[[float, Array], float] | None,
+    progress: Callable[[float], object],
 ) -> BoundedSolution:
     """Return two bounds of the error of a displacement u_h: from u_h alone, and by a more accurate displacement ũ.
 
@@ -191,17 +189,18 @@ def both_bounds(
         progress: a function that is called with each time up to which the enclosure is computed. For a static problem
             it is called with T/4 after the bound from u_h alone, and with T at the end.
     """
-    why, T = why_no_plain(coarse, computed), coarse.data.body.T
+    T = coarse.data.body.T
+    why = why_no_plain(coarse, computed)
     remarks = (f"the bound from u_h alone is left out: {why} (the interval does not need this bound)",) if why else ()
     try:
-        if isinstance(coarse.data, Static):
-            plain = None if why else enclose_static(coarse, computed, None)[0]
-            progress(T / 4)
-            enclosure = enclose_static(coarse, computed, refined.refinements)[0]
-            progress(T)
-        else:
+        if coarse.data.in_time:
             plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
             enclosure = enclose(coarse, computed, refined, error, progress)
+        else:
+            plain = None if why else enclose_static(coarse, computed, None)[0]
+            progress(T / 4)
+            enclosure, _ = enclose_static(coarse, computed, refined.refinements)
+            progress(T)
     except np.linalg.LinAlgError as error_of_matrix:
         raise BoundError(
             "the mesh has triangles so thin that ũ cannot be computed in double precision: remove them"
@@ -216,42 +215,47 @@ def why_no_plain(coarse: Discretisation, computed: Computed) -> str:
         coarse: the problem on the mesh of u_h.
         computed: the displacement u_h.
     """
-    u_h, steps = computed.on(coarse), np.diff(computed.times)
+    steps = np.diff(computed.times)
     if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
+    u_h = computed.on(coarse)
     normal = coarse.displacements.N @ np.array([u_h(time) for time in computed.times]).T
     if normal.max(initial=0.0) > INSIDE * abs(computed.nodes).max():
         return f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
     return ""
 
 
-def series(level: int, found: BoundedSolution) -> pd.DataFrame:
+def series(level: int, solution: BoundedSolution) -> pd.DataFrame:
     """Return the rows of ``enclosure.csv`` for one level: the bounds of the error at every time of the enclosure.
 
     Args:
         level: the level of the mesh.
-        found: the displacement u_h and the bounds of its error.
+        solution: the displacement u_h and the bounds of its error.
     """
-    enclosure = found.enclosure
-    names = "error", "lower", "distance", "bound"
-    frame = pd.DataFrame({"level": level, "time": enclosure.times} | {name: getattr(enclosure, name) for name in names})
-    frame["plain"] = found.plain.bound_at(enclosure.times) if found.plain else math.nan
+    enclosure = solution.enclosure
+    frame = pd.DataFrame({"level": level, "time": enclosure.times})
+    for name in ("error", "lower", "distance", "bound"):
+        frame[name] = getattr(enclosure, name)
+    frame["plain"] = solution.plain.bound_at(enclosure.times) if solution.plain else math.nan
     frame["upper"] = np.fmin(enclosure.upper, frame["plain"])
-    low, high = relative((frame["lower"], frame["upper"]), found.norm)
-    frame["percent_low"], frame["percent_high"] = 100 * low, 100 * high
+    low, high = relative((frame["lower"], frame["upper"]), solution.norm)
+    frame["percent_low"] = 100 * low
+    frame["percent_high"] = 100 * high
     # Rounding outward, because the printed interval must contain the computed one.
-    below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
-    frame[below] = np.floor(frame[below] * 10**WRITTEN_DECIMALS) / 10**WRITTEN_DECIMALS
-    frame[above] = np.ceil(frame[above] * 10**WRITTEN_DECIMALS) / 10**WRITTEN_DECIMALS
-    return frame.round({name: WRITTEN_DECIMALS for name in ("time", "error", "distance")})
+    unit = 10**WRITTEN_DECIMALS
+    below = ["lower", "percent_low"]
+    above = ["upper", "bound", "plain", "percent_high"]
+    frame[below] = np.floor(frame[below] * unit) / unit
+    frame[above] = np.ceil(frame[above] * unit) / unit
+    return frame.round(dict.fromkeys(("time", "error", "distance"), WRITTEN_DECIMALS))
 
 
-def record(level: int, found: BoundedSolution) -> dict[str, Any]:
+def record(level: int, solution: BoundedSolution) -> dict[str, Any]:
     """Return the results on one level as a dict, from which tables and text are made.
 
     Args:
         level: the level of the mesh.
-        found: the displacement and the bounds of its error.
+        solution: the displacement and the bounds of its error.
 
     Returns:
         ``row``: the row of ``levels.csv`` without orders; ``series``: the rows of ``enclosure.csv``; ``inside``:
@@ -259,27 +263,30 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         bounds are guaranteed; ``on_cells``: for static problems the squared distance ‖ũ − u_h‖² of u_h from the more
         accurate displacement ũ on every cell.
     """
-    enclosure = found.enclosure
+    enclosure = solution.enclosure
+    lowest, highest = solution.error
+    norm_low, norm_high = solution.norm
+    low, high = solution.relative
     row = {
         "level": level,
         "h": enclosure.h,
-        "dofs": found.computed.space.dofs,
-        "steps": len(found.computed.times) - 1,
+        "dofs": solution.computed.space.dofs,
+        "steps": len(solution.computed.times) - 1,
         "error": float(enclosure.error.max()),
-        "lowest": found.error[0],
-        "highest": found.error[1],
-        "plain": found.plain.highest if found.plain else math.nan,
-        "norm_low": found.norm[0],
-        "norm_high": found.norm[1],
-        "percent_low": 100 * found.relative[0],
-        "percent_high": 100 * found.relative[1],
+        "lowest": lowest,
+        "highest": highest,
+        "plain": solution.plain.highest if solution.plain else math.nan,
+        "norm_low": norm_low,
+        "norm_high": norm_high,
+        "percent_low": 100 * low,
+        "percent_high": 100 * high,
         "kind": enclosure.evidence.kind,
     }
     return {
         "row": row,
-        "series": series(level, found).to_dict("list"),
-        "inside": enclosure.contains and (found.plain is None or found.plain.contains),
-        "sentences": [*enclosure.evidence.sentences, *found.remarks],
+        "series": series(level, solution).to_dict("list"),
+        "inside": enclosure.contains and (solution.plain is None or solution.plain.contains),
+        "sentences": [*enclosure.evidence.sentences, *solution.remarks],
         "on_cells": enclosure.on_cells.tolist(),
     }
 
@@ -295,15 +302,20 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
         rows: for each level, in the order of the levels, the entry "row" of the result of ``record``.
     """
     table = pd.DataFrame(rows)
-    for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
-        spans = []
-        for coarse, fine in zip(earlier, rows, strict=True):
-            before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
-            finer, ratio = fine["h"] < SMALLER * coarse["h"], math.log(coarse["h"] / fine["h"])
-            spans.append(order_interval(before, after, ratio) if finer else (math.nan, math.nan))
-        table[f"{name}_low"], table[f"{name}_high"] = zip(*spans, strict=True)
+    table[["order_low", "order_high"]] = [_order(rows[0], row) for row in rows]
+    previous = [rows[0], *rows[:-1]]
+    table[["pair_low", "pair_high"]] = list(map(_order, previous, rows))
     table["kind"] = table.pop("kind")  # the last column
     return table
+
+
+def _order(coarse: dict[str, Any], fine: dict[str, Any]) -> tuple[float, float]:
+    """Return the interval of the order between two meshes, from their rows; NaN if the second mesh is not finer."""
+    if fine["h"] >= SMALLER * coarse["h"]:
+        return math.nan, math.nan
+    before = coarse["lowest"], coarse["highest"]
+    after = fine["lowest"], fine["highest"]
+    return order_interval(before, after, math.log(coarse["h"] / fine["h"]))
 
 
 def contact_sentences(body: Body) -> list[str]:
@@ -315,10 +327,8 @@ def contact_sentences(body: Body) -> list[str]:
         body: the body, which has the contact boundary.
     """
     sides = body.of(Kind.CONTACT)
-    if not sides:
-        return []
-    first, reach = sides[0], ON_LINE * body.extent
-    if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
+    distances = [abs(sides[0].coordinates(side.corners)[1]).max() for side in sides]
+    if max(distances, default=0.0) <= ON_LINE * body.extent:
         return []
     return [
         f"The {len(sides)} CONTACT sides do not lie on one line. Each point of a side may not cross the line through "

@@ -144,15 +144,16 @@ class Discretisation:
 
         P projects the body force f_0 and the traction f_2 onto piecewise polynomials.
         """
-        loads, space, V = self.snapshot(time).loads, self.stresses, self.displacements
-        force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
-        places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
-        for _, edges in space.on(Kind.LOADED):
-            along = np.einsum("ij,njd,n->ind", GRAM, loads.surface[edges], space.lengths[edges])
-            places.append(V.on_edges(edges).ravel())
-            moments.append(along.reshape(-1, 2))
-        where, values = np.concatenate(places), np.concatenate(moments)
-        return np.array([np.bincount(where, each, V.count) for each in values.T]).T.ravel()[V.free]
+        loads = self.snapshot(time).loads
+        space = self.stresses
+        V = self.displacements
+        edges = space.edges_on(Kind.LOADED)
+        inside = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
+        outside = np.einsum("ij,njd,n->ind", GRAM, loads.surface[edges], space.lengths[edges])
+        where = np.concatenate([V.numbers.T.ravel(), V.on_edges(edges).ravel()])
+        values = np.concatenate([inside.reshape(-1, 2), outside.reshape(-1, 2)])
+        sums = [np.bincount(where, component, V.count) for component in values.T]
+        return np.column_stack(sums).ravel()[V.free]
 
     @cached_property
     def _moments(self) -> Array:
@@ -197,8 +198,8 @@ class Discretisation:
         There are Q quadrature points in every cell, those of the composite stresses.
         """
         corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
-        found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
-        return found
+        corners = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1)))
+        return np.asarray(corners @ self.stresses.barycentric)
 
     @cached_property
     def viscous(self) -> Callable[[Array], Tensors]:
@@ -231,10 +232,19 @@ class Discretisation:
         """
         return self.equilibrium.nearest(loads, target, self.normal_moments(u))
 
-    @cached_property
-    def cells_at_contact(self) -> Array:
-        """For each edge of the contact boundary Γ3, the number of the cell to which it belongs, (edges of Γ3,)."""
-        return np.asarray(self.stresses.mesh.f2t[0, self.equilibrium.contact])
+    def divided_at_contact(self, total: float, work: Array) -> Array:
+        """Divide a number among the cells at the contact boundary Γ3 in proportion to the work on their edges.
+
+        Args:
+            total: the number.
+            work: the work on every edge of Γ3, (edges of Γ3,). If it is 0 everywhere, the result is 0.
+
+        Returns:
+            The parts of all cells of the mesh, (cells,).
+        """
+        parts = total * work / max(work.sum(), np.finfo(float).tiny)
+        cells = self.mesh.f2t[0, self.equilibrium.contact]
+        return np.bincount(cells, parts, self.stresses.cells)
 
     def normal_moments(self, v: Array) -> Array:
         """Return the moments ∫_e v_ν B_i of the normal displacement v_ν on every edge e of the contact boundary Γ3.
@@ -247,13 +257,14 @@ class Discretisation:
         Returns:
             The moments, (..., edges of Γ3, n).
         """
-        found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
-        return found.reshape(*v.shape[:-1], -1, STRESS_DEGREE + 1)
+        moments = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
+        return np.asarray(moments.reshape(*v.shape[:-1], -1, STRESS_DEGREE + 1))
 
     @cached_property
     def _normal_moments(self) -> sps.csr_array:
         """The matrix that ``normal_moments`` applies; its rows are ordered by edge e, then by polynomial B_i."""
-        V, on = self.displacements, self.stresses.on(Kind.CONTACT)
+        V = self.displacements
+        on = self.stresses.on(Kind.CONTACT)
         traces = V.normal_components([(part, V.on_edges(edges).T.ravel()) for part, edges in on])
         lengths = self.stresses.lengths[self.equilibrium.contact]
         return sps.csr_array(sps.kron(sps.diags_array(lengths), GRAM.T) @ traces)

@@ -56,7 +56,7 @@ from manufactured.case import Case
 from manufactured.tensors import Array, Hyperplane, Points, Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.problem import SMALLEST_BOUND, BoundError, Moduli, require_finite, require_ordered, require_visible
-from study.bound.remainders import Evidence, proportional
+from study.bound.remainders import Evidence, Missed, proportional
 from study.bound.terms import Interval, Majorant, Shares
 from study.bound.trajectory import Computed, Parabola, Trajectory, on_refinement, prolongation, spline
 from study.fem.error_norm import ErrorNorm
@@ -65,11 +65,6 @@ from study.fem.space import Space, form
 from study.solve.multigrid import contact_solver
 from study.solve.signorini import Signorini
 
-POOR = 0.5
-"""Limit of the fraction of an error bound that is due to unknown changes of the loads between sample points.
-
-Above this fraction a message names the point where the change is largest.
-"""
 SAME_TIME = 1e-9
 """Two times count as equal if they differ by less than this fraction of a time interval between knots."""
 RAISED = 4
@@ -154,11 +149,11 @@ class Enclosure:
         Args:
             moduli: the moduli of the elasticity, which give the factor.
         """
-        last = int(self.between.argmax()) if self.highest > self.start else -1
-        found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
-        for one in self.intervals[: last + 1]:
-            found = moduli.decay(one.b - one.a) * found + one.shares
-        return found + Shares(0 * self.initial, self.highest - found.total)
+        count = int(self.between.argmax()) + 1 if self.highest > self.start else 0
+        shares = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
+        for interval in self.intervals[:count]:
+            shares = moduli.decay(interval.b - interval.a) * shares + interval.shares
+        return Shares(shares.cells, shares.time + self.highest - shares.total)
 
     @property
     def factor(self) -> tuple[float, float]:
@@ -170,7 +165,8 @@ class Enclosure:
         (better, mixed), (_, given) = self.products.tolist()
         if not mixed or not better * given:
             return math.nan, 1.0
-        return given / mixed, math.sqrt(max(0.0, 1 - mixed**2 / (better * given)))
+        cosine_squared = mixed**2 / (better * given)
+        return given / mixed, math.sqrt(max(0.0, 1 - cosine_squared))
 
     @property
     def lower(self) -> Array:
@@ -202,7 +198,9 @@ def relative(error: tuple[Any, Any], norm: tuple[float, float]) -> tuple[Any, An
         error: the lower and the upper end of the interval of the error; numbers, or arrays for several errors.
         norm: the lower and the upper end of the interval of the norm.
     """
-    return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
+    low = error[0] / norm[1] if norm[1] > 0 else 0.0
+    high = error[1] / norm[0] if norm[0] > 0 else math.inf
+    return low, high
 
 
 def enclose(
@@ -226,47 +224,51 @@ def enclose(
             or the data are so large or so small that their squares overflow or underflow.
     """
     fine = trajectory.discretisation(coarse)
-    u_h, pieces = computed.on(fine), spline(trajectory.nodes(fine, computed))
+    u_h = computed.on(fine)
+    pieces = spline(trajectory.nodes(fine, computed))
     first = next(pieces)
     initial = squared_distances(fine, fine.data.initial, first.start, fine.data.lines)
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     intervals: list[Interval] = []
-    rows: list[tuple[float, ...]] = []
+    distances = []
+    errors = []
+    between = []
+    low = [0.0, fine.norm(first.start) - start]
+    high = []
     products = np.zeros((2, 2))
-    low, high = max(0.0, float(fine.norm(first.start)) - start), 0.0
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
-        true, at_b = error(piece.b, computed.at(piece.b)) if error else math.nan, u_h(piece.b)
-        inside = interval.inside + largest_distance(fine, piece, computed.times, u_h)
-        rows.append((piece.b, interval.at_b, float(fine.norm(piece.end - at_b)), true, inside))
-        products += fine.products(piece.end, at_b)
-        low = max(low, float(fine.norm(piece.end)) - interval.at_b)
-        high = max(high, interval.inside + float(fine.norm(np.array([piece.start, piece.control, piece.end])).max()))
+        at_b = u_h(piece.b)
+        norms = fine.norm(np.array([piece.start, piece.control, piece.end]))
         intervals.append(interval)
+        distances.append(fine.norm(piece.end - at_b))
+        errors.append(error(piece.b, computed.at(piece.b)) if error else math.nan)
+        between.append(interval.inside + largest_distance(fine, piece, computed.times, u_h))
+        low.append(norms[-1] - interval.at_b)
+        high.append(norms.max() + interval.inside)
+        products += fine.products(piece.end, at_b)
         progress(piece.b)
-    times, bounds, distances, errors, between = np.array(rows).T.copy()
-    # A message names the place where the samples of the data are too coarse. It is given only if the data between
-    # sample points contribute most of the bound y.
-    worst = max(intervals, key=lambda one: one.missed / (one.b - one.a))
-    poor = sum(one.missed for one in intervals) > POOR * intervals[-1].at_b
-    evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
-    loaded = bool(initial.any() or any(fine.load(time).any() for time in times))
-    found = Enclosure(
+    times = np.array([interval.b for interval in intervals])
+    bounds = np.array([interval.at_b for interval in intervals])
+    worst = max(intervals, key=lambda interval: interval.missed / (interval.b - interval.a))
+    missed = sum(interval.missed for interval in intervals)
+    loaded = initial.any() or any(fine.load(time).any() for time in times)
+    enclosure = Enclosure(
         h=computed.h,
         times=times,
-        distance=distances,
+        distance=np.array(distances),
         bound=bounds,
-        error=errors,
+        error=np.array(errors),
         intervals=tuple(intervals),
         start=start + fine.norm(first.start - u_h(0.0)),
         initial=initial,
-        between=between,
-        evidence=evidence,
-        norm=(low, high),
+        between=np.array(between),
+        evidence=fine.sampling.evidence(missed, bounds[-1], worst.a, worst.b),
+        norm=(float(max(low)), float(max(high))),
         products=products,
     )
-    require_visible(found.highest, loaded or bool(computed.nodes.any()))
+    require_visible(enclosure.highest, bool(loaded or computed.nodes.any()))
     # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST_BOUND.
-    return replace(found, bound=np.maximum(bounds, SMALLEST_BOUND)) if found.highest > 0 else found
+    return replace(enclosure, bound=np.maximum(bounds, SMALLEST_BOUND)) if enclosure.highest > 0 else enclosure
 
 
 def known_error(case: Case | None, computed: Computed) -> Callable[[float, Array], float] | None:
@@ -296,12 +298,15 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
         nodes: the times between which u_h is linear.
         u_h: the function t ↦ u_h(t).
     """
-    k, middle = piece.b - piece.a, (piece.a + piece.b) / 2
-    low, high = np.searchsorted(nodes, [piece.a + SAME_TIME * k, piece.b - SAME_TIME * k])
-    inside = nodes[low:high]
-    cuts = np.unique([piece.a, middle, piece.b, *inside[abs(inside - middle) > SAME_TIME * k]]).tolist()
+    middle = (piece.a + piece.b) / 2
+    cuts = [piece.a, middle, piece.b]
+    for time in nodes[(nodes > piece.a) & (nodes < piece.b)].tolist():
+        if np.min(abs(time - np.array(cuts))) > SAME_TIME * (piece.b - piece.a):
+            cuts.append(time)
+    cuts.sort()
     differences = [piece.at(time) - u_h(time) for time in cuts]
-    differences += [piece.blossom(c, d) - (u_h(c) + u_h(d)) / 2 for c, d in pairwise(cuts)]
+    for c, d in pairwise(cuts):
+        differences.append(piece.blossom(c, d) - (u_h(c) + u_h(d)) / 2)
     return float(fine.norm(np.array(differences)).max())
 
 
@@ -318,11 +323,11 @@ def squared_distances(
         v: a displacement of degree 2, (dofs,).
         rough: the lines (direction, offset) at which ε is not smooth; quadrature points are graded towards these lines.
     """
-    data, V = discretisation.data, discretisation.displacements
+    data = discretisation.data
     squares = np.zeros(discretisation.mesh.t.shape[1])
     lines = [Line(*line) for line in rough]
     for rule in cell_rules(discretisation.mesh, INITIAL_DEGREE, lines, data.points):
-        difference = strain(rule.points) - V.strain_at(v, rule.cells, rule.points)
+        difference = strain(rule.points) - discretisation.displacements.strain_at(v, rule.cells, rule.points)
         stress = data.law.A.at(rule.points)(difference)
         np.add.at(squares, rule.cells, np.einsum("Inq,Inq,nq->n", stress, difference, rule.weights))
     return squares
@@ -338,8 +343,12 @@ def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio
         fine: an interval that contains the error E' ≥ 0 on the mesh of size h' < h.
         ratio: the logarithm log(h/h') of the ratio of both mesh sizes.
     """
-    low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf
-    high = math.log(coarse[1] / fine[0]) / ratio if fine[0] > 0 else math.inf
+    low = -math.inf
+    high = math.inf
+    if coarse[0] > 0:
+        low = math.log(coarse[0] / fine[1]) / ratio
+    if fine[0] > 0:
+        high = math.log(coarse[1] / fine[0]) / ratio
     return low, high
 
 
@@ -372,7 +381,8 @@ class StaticDiscretisation(Discretisation):
         Args:
             displacements: the unknowns of the displacements v_i, (dofs,) each.
         """
-        stresses, strains = zip(*((self.elastic(v), self.strain(v)) for v in displacements), strict=True)
+        stresses = [self.elastic(v) for v in displacements]
+        strains = [self.strain(v) for v in displacements]
         return np.einsum("iIcq,jIcq,cq->ij", stresses, strains, self.stresses.weights)
 
     def residual(self, v: Array) -> Array:
@@ -381,8 +391,9 @@ class StaticDiscretisation(Discretisation):
         The φ_i are the basis functions, and G is the elasticity.
         """
         V = self.displacements
-        strain = V.strain_at(v, np.arange(self.stresses.cells), V.points)
-        return np.asarray(self.load(0.0) - V.functional(self.data.law.G.at(V.points)(strain)))
+        strain = V.strain_at(v, np.arange(V.cells), V.points)
+        stress = self.data.law.G.at(V.points)(strain)
+        return np.asarray(self.load(0.0) - V.functional(stress))
 
     def squares(self, stress: Array) -> Array:
         """Return the squared norm ‖τ‖²_{G⁻¹} = ∫_T G⁻¹τ·τ of a stress τ on every cell T, (3, cells, Q) → (cells,)."""
@@ -397,14 +408,16 @@ def compute_static(coarse: Discretisation) -> Computed:
         coarse: the static problem on the mesh of u_h.
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh)
-    data, space = fine.data, Space(fine.mesh, fine.data.body)
+    body = fine.data.body
+    space = Space(fine.mesh, body)
     if not space.dofs:
         raise BoundError("no vertex of the mesh can move: take a finer level")
     lifting = on_refinement(space.mesh, 1, fine.mesh) @ space.prescribed
     load = prolongation(space, fine).T @ fine.residual(lifting[fine.displacements.free])
-    u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
+    solve = contact_solver(space)(form(space, fine.data.law.A), space.N)
+    u, _ = solve(load)
     nodes = space.coefficients(u).ravel()
-    return Computed(space.mesh, data.body, 1, np.array([0.0, data.body.T]), np.array([nodes, nodes]), 1)
+    return Computed(space.mesh, body, 1, np.array([0.0, body.T]), np.array([nodes, nodes]), 1)
 
 
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
@@ -421,28 +434,21 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
         ũ.
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
+    T = fine.data.body.T
     u_h = computed.on(fine)(0.0)
     v = u_h
     if refinements is not None:
         V = fine.displacements
-        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.residual(np.zeros(V.dofs)))
-    # The bound y of ‖u − ũ‖, from the stress σ̃, and the contributions of the cells to y.
-    snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
-    missed = sampling.missed(fine.oscillation, 0.0, T)
-    stress = fine.nearest_stress(snapshot.loads, fine.elastic(v), v)
-    work = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0).sum(axis=1)
-    squares = (np.sqrt(fine.squares(stress.values)) + fine.oscillation(snapshot.left_out) + missed.cells) ** 2
-    R, c = math.sqrt(squares.sum()) + missed.everywhere, float(work.sum())
-    y = R / 2 + math.sqrt(R**2 / 4 + c)
-    cells = proportional(squares) + missed.in_cells
-    np.add.at(cells, fine.cells_at_contact, (y - R) * work / max(c, np.finfo(float).tiny))
-    shares = Shares(cells, 0.0).scaled_to(y)
-    evidence = Evidence(sampling.reasons, sampling.worst(0.0, T) if missed.everywhere > POOR * y else "")
-    # Both ends for ‖u − u_h‖.
-    d, products = float(fine.norm(v - u_h)), fine.products(v, u_h)
-    size = math.sqrt(products[0, 0])
+        load = fine.residual(np.zeros(V.dofs))
+        v, _ = Signorini(fine.M, V.N, V.free_points)(load)
+    missed = fine.sampling.missed(fine.oscillation, 0.0, T)
+    y, shares = _static_bound(fine, v, missed)
+    evidence = fine.sampling.evidence(missed.everywhere, y, 0.0, T)
+    d = float(fine.norm(v - u_h))
     require_visible(d + y, bool(fine.load(0.0).any() or computed.nodes.any()))
     y = max(y, SMALLEST_BOUND) if y > 0 else y
+    products = fine.products(v, u_h)
+    size = math.sqrt(products[0, 0])
     norm = max(0.0, size - y), size + y
     if not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):
         rest = (2 * missed.everywhere + ENERGY_ROUNDING * size) * size
@@ -451,7 +457,7 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     distances = fine.squares(fine.elastic(v) - fine.elastic(u_h))
     # A refinement lists the parts of all cells in the order of the cells, again and again.
     on_cells = distances.reshape(-1, coarse.mesh.t.shape[1]).sum(axis=0)
-    found = Enclosure(
+    enclosure = Enclosure(
         h=computed.h,
         times=np.zeros(1),
         distance=np.array([d]),
@@ -466,4 +472,25 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
         products=products,
         on_cells=on_cells,
     )
-    return found, shares
+    return enclosure, shares
+
+
+def _static_bound(fine: StaticDiscretisation, v: Array, missed: Missed) -> tuple[float, Shares]:
+    """Return the bound y of the error ‖u − ũ‖ of a static displacement ũ, and the contributions of the cells to y.
+
+    Args:
+        fine: the problem on the mesh of ũ.
+        v: the coefficients of ũ.
+        missed: bounds of the loads minus their samples.
+    """
+    snapshot = fine.snapshot(0.0)
+    stress = fine.nearest_stress(snapshot.loads, fine.elastic(v), v)
+    residual = np.sqrt(fine.squares(stress.values))
+    squares = (residual + fine.oscillation(snapshot.left_out) + missed.cells) ** 2
+    R = math.sqrt(squares.sum()) + missed.everywhere
+    # By complementarity these products are not negative, but rounding can make them so.
+    products = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0)
+    work = products.sum(axis=1)
+    y = R / 2 + math.sqrt(R**2 / 4 + work.sum())
+    cells = proportional(squares) + missed.in_cells + fine.divided_at_contact(y - R, work)
+    return y, Shares(cells, 0.0).scaled_to(y)

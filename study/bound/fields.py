@@ -113,12 +113,14 @@ def _npz(path: Path) -> Field:
         raise BoundError(f"{path} is no .npz file: write it by numpy.savez, with the arrays {', '.join(ARRAYS)}")
     _refuse_packed(path)
     with np.load(path) as file:
-        arrays = {OURS.get(key, key): file[key].T if key in OURS else file[key] for key in file.files}
-        ours = "p" in file.files
-    missing = [key for key in ("points", "triangles", "u") if key not in arrays]
+        arrays = dict(file)
+    for key, name in OURS.items():
+        if key in arrays:
+            arrays[name] = arrays[key].T
+    missing = [name for name in ("points", "triangles", "u") if name not in arrays]
     if missing:
         raise BoundError(f"{path} lacks {', '.join(missing)}; expected the arrays {', '.join(ARRAYS)}")
-    u = arrays["u"].swapaxes(-1, -2) if ours else arrays["u"]
+    u = arrays["u"].swapaxes(-1, -2) if "p" in arrays else arrays["u"]
     return Field(arrays["points"], arrays["triangles"], arrays.get("times"), u)
 
 
@@ -131,12 +133,12 @@ def _refuse_packed(path: Path) -> None:
     _refuse_larger(path, sum(entry.file_size for entry in entries))
 
 
-def _refuse_larger(path: Path, whole: int) -> None:
+def _refuse_larger(path: Path, total: int) -> None:
     """Raise BoundError if the content of a file, in bytes, is so large that the file was made to fill the memory."""
     size = path.stat().st_size
-    if whole > max(UNSUSPICIOUS, UNPACKING_FACTOR * size):
+    if total > max(UNSUSPICIOUS, UNPACKING_FACTOR * size):
         raise BoundError(
-            f"{path} has {size} bytes and unpacks to {whole} bytes, more than {UNPACKING_FACTOR} times as many, as no "
+            f"{path} has {size} bytes and unpacks to {total} bytes, more than {UNPACKING_FACTOR} times as many, as no "
             "displacement does: if it is one, write it without compression"
         )
 

@@ -17,20 +17,19 @@ import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
-from skfem import Mesh, MeshTri
+from skfem import Mesh
 
 from manufactured.arguments import Count, checked
 from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.static import Static
 from manufactured.tensors import Array, Points
 from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError, place
 from study.bound.trajectory import Computed, Refined, on_refinement
-from study.fem.mesh import MeshError, boundary_parts, cell_volumes
+from study.fem.mesh import FIT_TOLERANCE, MeshError, boundary_parts, cell_volumes, simplicial_mesh
 from study.fem.space import Quadratic
 from study.ledger.text import interval
 from study.solve.steps import require_steps
@@ -41,6 +40,8 @@ SAME_LENGTH = 0.01
 """When bodies and meshes are compared, two lengths count as equal if their relative difference is below this number."""
 SINGLE = 1e-6
 """Relative accuracy of the numbers in files, which may be in single precision."""
+JOINED_UP_TO = 1e-8
+"""Points are joined if their distance is at most this fraction of the size of the mesh."""
 CLAMPED_UP_TO = 1e-9
 """A displacement on the clamped boundary counts as 0 up to this fraction of the largest displacement."""
 UNMOVED_UP_TO = 1e-12
@@ -59,6 +60,8 @@ UNCHANGED_UP_TO = 1e-9
 """A change of u_h by at most this fraction of its norm is rounding, and is not reported."""
 LOW_END = 0.1
 """The lower end of an interval counts as small up to this fraction of the upper end."""
+MIDPOINT_UP_TO = 1e-5
+"""A node counts as the midpoint of a side up to this distance, relative to the length of the side."""
 FLAT = 1e-12
 """A triangle counts as degenerate if its area divided by its squared diameter is below this number."""
 
@@ -101,8 +104,8 @@ def bounded_displacement(
     data: Data,
     computed: Computed,
     refined: Refined,
-    case: Case | None = None,
-    progress: Callable[[float], object] = lambda time: None,
+    case: Case | None,
+    progress: Callable[[float], object],
 ) -> BoundedSolution:
     """Return bounds of the error of a displacement that ``given`` has checked.
 
@@ -114,39 +117,40 @@ def bounded_displacement(
         progress: a function that is called with each time up to which the bounds are computed.
     """
     coarse = Discretisation(data, computed.mesh)
-    if not isinstance(data, Static):
+    if data.in_time:
         require_steps(refined.shorter * computed.steps)
-    found = both_bounds(coarse, computed, refined, true_error(case, coarse, computed), progress)
-    low, high = found.error
-    ends = max(0.0, low - computed.offset), high + computed.offset
-    remarks = [*suspicion(found, data), *computed.remarks, *found.remarks]
+    bounded = both_bounds(coarse, computed, refined, true_error(case, coarse, computed), progress)
+    low, high = bounded.error
+    remarks = [*suspicion(bounded, data), *computed.remarks, *bounded.remarks]
     if computed.offset > UNCHANGED_UP_TO * high:
-        remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
+        of_file = interval(max(0.0, low - computed.offset), high + computed.offset, 4)
+        remarks.append(f"the error of the displacement in the file lies in {of_file}")
     if low <= LOW_END * high and computed.degree == 2:
         more = refined.refinements + 1
         remarks.append(f"the lower end is small, because ũ is hardly better than u_h of degree 2: try --refine {more}")
-    return replace(found, remarks=tuple(remarks))
+    return replace(bounded, remarks=tuple(remarks))
 
 
-def suspicion(found: BoundedSolution, data: Data) -> list[str]:
+def suspicion(bounded: BoundedSolution, data: Data) -> list[str]:
     """Return a list with a warning if u_h is nearly a constant multiple of the solution, otherwise an empty list.
 
     A factor such as 1000 shows that u_h solves the problem with other units or data. The warning states the factor, and
     asks for the usual mistake that gives this factor, such as metres and millimetres.
 
     Args:
-        found: the displacement u_h with the bounds of its error, and the more accurate displacement with which it is
+        bounded: the displacement u_h with the bounds of its error, and the more accurate displacement with which it is
             compared.
         data: the problem.
     """
-    factor, rest = found.enclosure.factor
-    is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else SCALED_IN_TIME)
+    factor, rest = bounded.enclosure.factor
+    is_scaled = abs(factor - 1) > (SCALED_IN_TIME if data.in_time else SCALED)
     # If displacements are prescribed, the factor of a Galerkin solution is not 1, and wrong values are refused.
     if data.body.is_moved or not is_scaled or rest >= ALIKE:
         return []
     stiff, side = abs(data.law.A.matrix[0, :2])
     # Poisson's ratio if the law here means plane strain, and if it means plane stress.
-    strain, stress = side / (stiff + side), side / stiff
+    strain = side / (stiff + side)
+    stress = side / stiff
     usual = [
         (1e3, 1e3, "metres and millimetres?"),
         (1e-3, 1e-3, "metres and millimetres?"),
@@ -156,7 +160,12 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
         (1.0, 1 / (1 - strain**2), "plane stress there, and plane strain here?"),
         (1 - stress**2, 1.0, "plane strain there, and plane stress here?"),
     ]
-    off, question = min((abs(np.clip(factor, low, high) / factor - 1), name) for low, high, name in usual)
+    off = math.inf
+    for low, high, mistake in usual:
+        distance = abs(np.clip(factor, low, high) / factor - 1)
+        if distance < off:
+            off = distance
+            question = mistake
     # The part of u_h that is no multiple of the solution changes the factor by about its square.
     if off > max(NEAR, rest**2):
         question = "compare loads, stiffness and units."
@@ -177,11 +186,14 @@ def true_error(case: Case | None, coarse: Discretisation, computed: Computed) ->
     """
     if case is None:
         return None
-    u_h, exact, data = computed.on(coarse), case.solution, coarse.data
+    u_h = computed.on(coarse)
+    exact = case.solution
+    data = coarse.data
 
     def error(time: float, _: Array) -> float:
         rough = *data.lines, *data.fronts(time)
-        return math.sqrt(squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough).sum())
+        squares = squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough)
+        return math.sqrt(squares.sum())
 
     return error
 
@@ -220,31 +232,36 @@ def given(
         BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
             correct it.
     """
-    points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
-    if isinstance(data, Static):
+    times = np.zeros(1) if times is None else times
+    points, triangles, times, u = _arrays(points, triangles, times, u)
+    if not data.in_time:
         if len(times) > 1:
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
-        times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
+        times = np.array([0.0, data.body.T])
+        u = np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
     _check_box(points[np.unique(triangles[:, :3])], data.body)
     points, triangles, u, remarks = _joined(points, triangles, u)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
-    moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
-    if moved > UNMOVED_UP_TO * float(np.ptp(points, axis=0).max()):
+    before = points[nodes[: mesh.p.shape[1]]].T
+    moved = np.linalg.norm(mesh.p - before, axis=0).max()
+    if moved > UNMOVED_UP_TO * np.ptp(points, axis=0).max():
         remarks.append(
             f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
         )
-    values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
+    values = u[:, nodes].reshape(len(times), -1)
     steps = steps or max(len(times) - 1, LEAST_STEPS)
-    found = Computed(mesh, data.body, degree, times, values, steps)
-    found = replace(found, remarks=(*remarks, *_penetration(found, moving=not isinstance(data, Static))))
-    return _clamped(data, found, nearest)
+    computed = Computed(mesh, data.body, degree, times, values, steps)
+    remarks += _penetration(computed, data.in_time)
+    return _clamped(data, replace(computed, remarks=tuple(remarks)), nearest)
 
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
-    points, times, u = _real("points", points), np.atleast_1d(_real("times", times)), _real("u", u)
+    points = _real("points", points)
+    times = np.atleast_1d(_real("times", times))
+    u = _real("u", u)
     triangles = _unmasked("triangles", triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
@@ -256,24 +273,26 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
         raise BoundError(f"points have the shape {points.shape}, expected (n, 2)")
     if u.ndim == 2 and len(times) == 1:
         u = u[None]
-    if u.shape not in {(len(times), len(points), components) for components in (2, 3)}:
+    wanted = len(times), len(points), 2
+    if u.ndim != 3 or u.shape[:2] != wanted[:2] or u.shape[2] not in (2, 3):
         raise BoundError(
-            f"u has the shape {u.shape}, expected {(len(times), len(points), 2)}: one displacement for each of "
+            f"u has the shape {u.shape}, expected {wanted}: one displacement for each of "
             f"{len(times)} times and {len(points)} points"
         )
     for name, array in (("points", points), ("times", times), ("u", u)):
-        wrong = ~np.isfinite(array)
-        if wrong.any():
-            first = np.argwhere(wrong)[0]
-            where = f" in row {first[0]} (rows are numbered from 0)"
+        wrong = np.argwhere(~np.isfinite(array))
+        if len(wrong):
+            row = wrong[0, 0]
+            where = f" in row {row} (rows are numbered from 0)"
             if name == "u":
-                where = f" at t = {times[first[0]]:.6g}, x = {place(points[first[1], :2])}"
-            raise BoundError(f"{name} has {wrong.sum()} numbers that are not finite, the first{where}")
+                where = f" at t = {times[row]:.6g}, x = {place(points[wrong[0, 1], :2])}"
+            raise BoundError(f"{name} has {len(wrong)} numbers that are not finite, the first{where}")
     for name, array in (("points", points), ("u", u)):
         if array.shape[-1] == 3 and np.ptp(array[..., 2]) > SINGLE * np.ptp(array):
             raise BoundError(f"the third component of {name} is not constant, and the bound serves plane bodies")
-    least, most = triangles.min(initial=len(points)), triangles.max(initial=-1)
-    if least < 0 or not least <= most < len(points):
+    least = triangles.min(initial=len(points))
+    most = triangles.max(initial=-1)
+    if not 0 <= least <= most < len(points):
         raise BoundError(
             f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
@@ -306,7 +325,8 @@ def _checked_times(times: Array, T: float) -> Array:
     if times.ndim != 1 or falls.size:
         got = f"an array of the shape {times.shape}"
         if times.ndim == 1:
-            got = f"{times[falls[0] + 1]:g} after {times[falls[0]]:g}"
+            before, after = times[falls[0] :][:2]
+            got = f"{after:g} after {before:g}"
         raise BoundError(
             f"times have to increase strictly, got {got}; the parts of a parallel run have to be merged into one file "
             "for each time"
@@ -325,7 +345,9 @@ def _checked_times(times: Array, T: float) -> Array:
         raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
     equal = np.linspace(0.0, T, len(times))
     # Steps that were equal before rounding to single precision differ slightly, so they are made equal again.
-    return equal if abs(times - equal).max() <= SINGLE * equal[1] else np.array([0.0, *times[1:-1], T])
+    if abs(times - equal).max() <= SINGLE * equal[1]:
+        return equal
+    return np.array([0.0, *times[1:-1], T])
 
 
 def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, Array, list[str]]:
@@ -333,24 +355,26 @@ def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, 
 
     Files of discontinuous fields repeat a point for each of its triangles.
     """
-    size, remarks = float(np.ptp(points, axis=0).max()), []
-    used, triangles = np.unique(triangles, return_inverse=True)
-    points, u, triangles = points[used], u[:, used], triangles.reshape(-1, triangles.shape[-1])
-    pairs = cKDTree(points).query_pairs(SINGLE * 1e-2 * size, output_type="ndarray")
-    if len(pairs):
-        count = len(points)
-        graph = sps.coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
-        joined, label = connected_components(graph, directed=False)
-        _, first = np.unique(label, return_index=True)
-        jump = abs(u - u[:, first[label]]).max()
-        if jump > SINGLE * abs(u).max():
-            raise BoundError(
-                f"{count - joined} points lie where others do, and u differs there by up to {jump:.3g}: u_h has to be "
-                "continuous; give one displacement for each point"
-            )
-        points, u, triangles = points[first], u[:, first], label[triangles]
-        remarks.append(f"{count - joined} points that repeat others were joined")
-    return points, triangles, u, remarks
+    radius = JOINED_UP_TO * np.ptp(points, axis=0).max()
+    used, inverse = np.unique(triangles, return_inverse=True)
+    triangles = inverse.reshape(triangles.shape)
+    points = points[used]
+    u = u[:, used]
+    pairs = cKDTree(points).query_pairs(radius, output_type="ndarray")
+    if not len(pairs):
+        return points, triangles, u, []
+    count = len(points)
+    graph = sps.coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    _, label = connected_components(graph, directed=False)
+    _, first = np.unique(label, return_index=True)
+    repeated = count - len(first)
+    jump = abs(u - u[:, first[label]]).max()
+    if jump > SINGLE * abs(u).max():
+        raise BoundError(
+            f"{repeated} points lie where others do, and u differs there by up to {jump:.3g}: u_h has to be "
+            "continuous; give one displacement for each point"
+        )
+    return points[first], label[triangles], u[:, first], [f"{repeated} points that repeat others were joined"]
 
 
 def _check_box(vertices: Array, body: Body) -> None:
@@ -358,18 +382,25 @@ def _check_box(vertices: Array, body: Body) -> None:
 
     Their bounding boxes are compared first, because all other messages about the mesh assume that these agree.
     """
-    (low, high), (start, end) = ((p.min(axis=0), p.max(axis=0)) for p in (vertices, body.vertices.T))
-    size, wanted = high - low, end - start
-    if (np.maximum(abs(low - start), abs(high - end)) <= SAME_LENGTH * wanted.max()).all():
+    low = vertices.min(axis=0)
+    high = vertices.max(axis=0)
+    start = body.vertices.min(axis=1)
+    end = body.vertices.max(axis=1)
+    size = end - start
+    if abs(np.array([low - start, high - end])).max() <= SAME_LENGTH * size.max():
         return
-    ratios = size / wanted
+    ratios = (high - low) / size
+    factor = ratios.mean()
     if np.ptp(ratios) > SAME_LENGTH * ratios.max() or not ratios.all():
         remedy = "It is the mesh of another body"
     elif abs(ratios - 1).max() <= SAME_LENGTH:
         remedy = f"The mesh is shifted by {place(low - start)}: give both in the same coordinates"
+    elif factor > 1:
+        remedy = f"The mesh is larger than the body by the factor {factor:.4g}: give both in the same unit of length"
     else:
-        factor, than = (ratios.mean(), "larger") if ratios.mean() > 1 else (1 / ratios.mean(), "smaller")
-        remedy = f"The mesh is {than} than the body by the factor {factor:.4g}: give both in the same unit of length"
+        remedy = (
+            f"The mesh is smaller than the body by the factor {1 / factor:.4g}: give both in the same unit of length"
+        )
     raise BoundError(
         f"the mesh does not fit the body: the mesh reaches from x = {place(low)} to {place(high)}, the body from "
         f"x = {place(start)} to {place(end)}. {remedy}"
@@ -385,22 +416,23 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     """
     corners, local = np.unique(triangles[:, :3], return_inverse=True)
     p = _on_boundary(body, points[corners].T)
-    mesh = MeshTri(np.ascontiguousarray(p), np.ascontiguousarray(local.reshape(-1, 3).T))
+    mesh = simplicial_mesh(p, local.reshape(-1, 3).T)
     _check_cells(mesh)
     if triangles.shape[1] == 3:
         return mesh, corners, 1
     midpoints = np.zeros(mesh.facets.shape[1], dtype=np.int64)
     # The mesh lists the corners of a triangle in increasing order. So sides are compared by the corner opposite.
     sides = mesh.t2f[[1, 2, 0]].T
-    numbers = np.take_along_axis(triangles[:, [4, 5, 3]], np.argsort(triangles[:, :3], axis=1), axis=1)
+    order = np.argsort(triangles[:, :3], axis=1)
+    numbers = np.take_along_axis(triangles[:, [4, 5, 3]], order, axis=1)
     midpoints[sides] = numbers
     if (midpoints[sides] != numbers).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
-    ends = p[:, mesh.facets]
-    off = np.linalg.norm(points[midpoints].T - ends.mean(axis=1), axis=0)
-    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
-    if (off > 10 * SINGLE * lengths).any():
-        worst = int((off / lengths).argmax())
+    start, end = np.moveaxis(p[:, mesh.facets], 1, 0)
+    off = np.linalg.norm(points[midpoints].T - (start + end) / 2, axis=0)
+    relative = off / np.linalg.norm(end - start, axis=0)
+    worst = int(relative.argmax())
+    if relative[worst] > MIDPOINT_UP_TO:
         raise BoundError(
             f"the node of the side near x = {place(points[midpoints[worst]])} lies {off[worst]:.3g} off its midpoint: "
             "curved triangles, and midpoints in another order than 01, 12, 20, are not served"
@@ -413,40 +445,41 @@ def _on_boundary(body: Body, p: Points) -> Points:
 
     Such vertices lie off the boundary only because files are in single precision.
     """
-    p, near = p.copy(), SINGLE * body.extent
+    p = p.copy()
+    near = SINGLE * body.extent
     for part in body.parts:
-        along, off = part.coordinates(p)
-        close = (abs(off) < near) & (along[0] > -near) & (along[0] < part.measure + near)
+        _, off = part.coordinates(p)
+        close = part.contains(p, near)
         p[:, close] += off[close] * part.normal[:, None]
-    for corner in body.vertices.T:
-        p[:, np.linalg.norm(p - corner[:, None], axis=0) < near] = corner[:, None]
+    for corner in body.vertices.T[..., None]:
+        close = np.linalg.norm(p - corner, axis=0) < near
+        p[:, close] = corner
     return p
 
 
 def _check_cells(mesh: Mesh) -> None:
     """Raise BoundError for cells without area and for sides that belong to more than two cells."""
     corners = mesh.p[:, mesh.t]
-    diameters = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
+    sides = corners - np.roll(corners, 1, axis=1)
+    diameters = np.linalg.norm(sides, axis=0).max(axis=0)
     flat = np.flatnonzero(cell_volumes(mesh) <= FLAT * diameters**2)
     if flat.size:
         where = place(corners[:, :, flat[0]].mean(axis=1))
         raise BoundError(f"{flat.size} triangles have no area, the first near x = {where}; remove them")
-    sides = np.bincount(mesh.t2f.ravel())
-    if sides.max() > 2:
-        where = place(mesh.p[:, mesh.facets[:, sides.argmax()]].mean(axis=1))
-        raise BoundError(
-            f"{sides.max()} triangles share a side near x = {where}: triangles overlap or are listed twice"
-        )
+    cells_at_side = np.bincount(mesh.t2f.ravel())
+    most = cells_at_side.max()
+    if most > 2:
+        where = place(mesh.p[:, mesh.facets[:, cells_at_side.argmax()]].mean(axis=1))
+        raise BoundError(f"{most} triangles share a side near x = {where}: triangles overlap or are listed twice")
 
 
 def _check_fit(mesh: Mesh, body: Body) -> None:
     """Raise BoundError unless the mesh covers the body and follows the parts of its boundary."""
-    tolerance = 1e-8 * math.sqrt(body.measure)
-    border = mesh.boundary_facets()
-    ends = mesh.p[:, mesh.facets[:, border]]
+    tolerance = FIT_TOLERANCE * math.sqrt(body.measure)
+    ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
     on_part = np.any([part.contains(ends, tolerance).all(axis=0) for part in body.parts], axis=0)
-    if not on_part.all():
-        stray = ends.mean(axis=1)[:, ~on_part]
+    stray = ends.mean(axis=1)[:, ~on_part]
+    if stray.size:
         raise BoundError(
             f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
             f"and lie on no part of the boundary, the first near x = {place(stray[:, 0])}. The mesh has a hole "
@@ -458,22 +491,23 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         raise BoundError(f"the mesh does not fit the body: {error}") from error
 
 
-def _penetration(found: Computed, moving: bool) -> list[str]:
+def _penetration(computed: Computed, in_time: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
-    space = found.space
-    values = found.nodes.reshape(len(found.times), -1, 2)
-    normal = np.zeros(values.shape[:2])
-    for part in found.body.of(Kind.CONTACT):
+    space = computed.space
+    values = computed.nodes.reshape(len(computed.times), -1, 2)
+    depths = np.zeros(values.shape[:2])
+    for part in computed.body.of(Kind.CONTACT):
         on = space.numbers_on(part)
-        normal[:, on] = np.maximum(normal[:, on], values[:, on] @ part.normal)
-    time, node = np.unravel_index(normal.argmax(), normal.shape)
-    depth = normal[time, node]
-    if depth <= CLAMPED_UP_TO * abs(found.nodes).max():
+        depths[:, on] = np.maximum(depths[:, on], values[:, on] @ part.normal)
+    time, node = np.unravel_index(depths.argmax(), depths.shape)
+    depth = depths[time, node]
+    size = abs(values).max()
+    if depth <= CLAMPED_UP_TO * size:
         return []
-    share, when = _percent(depth / abs(found.nodes).max()), f"t = {found.times[time]:.4g}, " if moving else ""
+    when = f"t = {computed.times[time]:.4g}, " if in_time else ""
     return [
-        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share} of its largest component, at "
-        f"{when}x = {place(space.nodes[:, node])}"
+        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {_percent(depth / size)} of its largest "
+        f"component, at {when}x = {place(space.nodes[:, node])}"
     ]
 
 
@@ -485,45 +519,53 @@ class _Unclamped(Quadratic):
         return np.arange(self.dim * self.count)
 
 
-def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
+def _clamped(data: Data, computed: Computed, nearest: bool) -> Computed:
     """Return a displacement with the prescribed values on CLAMPED and ROLLER sides, which are 0 by default.
 
-    If the displacement ``found`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is true,
-    the values at the nodes of these sides are replaced. If ``nearest`` is false, BoundError is raised.
+    If the displacement ``computed`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is
+    true, the values at the nodes of these sides are replaced. If ``nearest`` is false, BoundError is raised.
     """
-    mesh, body, size = found.mesh, found.body, float(abs(found.nodes).max())
-    space = found.space
-    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), space.free)
+    body = computed.body
+    space = computed.space
+    u = computed.nodes
+    prescribed = u.copy()
+    fixed = np.setdiff1d(np.arange(u.shape[1]), space.free)
     # Prescribed displacements are linear on a side, so their Bernstein coefficients are their values at the nodes.
-    prescribed = space.prescribed[fixed]
-    beyond = found.nodes[:, fixed] - prescribed
-    largest = float(abs(beyond).max(initial=0.0))
+    prescribed[:, fixed] = space.prescribed[fixed]
+    change = abs(u - prescribed)
+    largest = float(change.max())
+    size = float(abs(u).max())
     # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
     if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED_UP_TO) * size:
-        return found
-    values = found.nodes.copy()
-    values[:, fixed] = prescribed
-    V, J = _Unclamped(mesh, body), on_refinement(mesh, found.degree, mesh)
-    M = J.T @ V.form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
-    squares = (np.einsum("ti,it->t", v, M @ v.T).max() for v in (found.nodes - values, found.nodes))
-    offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
-    share = f"{offset:.3g} = {_percent(offset / whole if whole else math.inf)} of the largest ‖u_h‖_V"
-    time, worst = np.unravel_index(abs(beyond).argmax(), beyond.shape)
-    number = int(fixed[worst])
-    node, direction = divmod(number, 2)
-    held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
+        return computed
+    offset = _largest_norm(data, computed, u - prescribed)
+    norm = _largest_norm(data, computed, u)
+    share = f"{offset:.3g} = {_percent(offset / norm if norm else math.inf)} of the largest ‖u_h‖_V"
+    time, number = np.unravel_index(change.argmax(), change.shape)
+    node, direction = divmod(int(number), 2)
     x = space.nodes[:, node]
+    held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
     side = next(part for part in held if part.contains(x, SINGLE * body.extent))
     where = f"side {body.parts.index(side)} ({side.kind.name})"
     if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
-            f"u_h is {found.nodes[time, number]:.4g} in the direction x{direction + 1} at x = "
-            f"{place(x)} on {where}, and has to be {prescribed[worst]:.4g} there. With --nearest (nearest=True) "
-            f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
+            f"u_h is {u[time, number]:.4g} in the direction x{direction + 1} at x = {place(x)} on {where}, and has to "
+            f"be {prescribed[time, number]:.4g} there. With --nearest (nearest=True) the values at the nodes of such "
+            f"sides are replaced, which changes u_h by {share}"
         )
-    changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"
-    remarks = (*found.remarks, changed) if offset > UNCHANGED_UP_TO * whole else found.remarks
-    return replace(found, nodes=values, remarks=remarks, offset=offset)
+    remarks = computed.remarks
+    if offset > UNCHANGED_UP_TO * norm:
+        changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"
+        remarks = *remarks, changed
+    return replace(computed, nodes=prescribed, remarks=remarks, offset=offset)
+
+
+def _largest_norm(data: Data, computed: Computed, nodes: Array) -> float:
+    """Return the largest norm ‖·‖_V of a displacement that is given by its values at the nodes of u_h, (k, values)."""
+    V = _Unclamped(computed.mesh, computed.body)
+    M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
+    v = on_refinement(computed.mesh, computed.degree, computed.mesh) @ nodes.T
+    return math.sqrt(max(0.0, (v * (M @ v)).sum(axis=0).max()))
 
 
 def _percent(share: float) -> str:

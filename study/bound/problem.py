@@ -121,7 +121,8 @@ def moduli(law: KelvinVoigt) -> Moduli:
     Raises:
         BoundError: G has no finite monotonicity constant.
     """
-    A, G = law.A, law.G
+    A = law.A
+    G = law.G
     if not np.isfinite(G.monotonicity):
         raise BoundError(
             f"{law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite "
@@ -129,10 +130,11 @@ def moduli(law: KelvinVoigt) -> Moduli:
         )
     if isinstance(G, Linear):
         values, directions = eigh(G.matrix, A.matrix)
-        if G.factor is A.factor:
-            return Moduli(values, directions)
-        damped, grows = G.factor.low / A.factor.high, G.factor.high / A.factor.low
-        return Moduli(values * np.where(values >= 0, damped, grows), directions)
+        if G.factor is not A.factor:
+            damped = G.factor.low / A.factor.high
+            grows = G.factor.high / A.factor.low
+            values *= np.where(values >= 0, damped, grows)
+        return Moduli(values, directions)
     m = G.monotonicity / (A.lipschitz if G.monotonicity >= 0 else A.ellipticity)
     _, directions = eigh(A.matrix, A.matrix)
     return Moduli(np.full(len(directions), m), directions)
@@ -163,25 +165,38 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     """
     space = _coarse_stresses(body)
     compliance = np.linalg.inv(A.matrix)
-    equilibrium, components = Equilibrium(space, compliance), np.eye(2)
-    # A basis of the forces that are linear on every cell, given by their values at the vertices of the thirds of cells.
+    equilibrium = Equilibrium(space, compliance)
+    of_cells = cell_constants(space.map, compliance, 1)
+    volume = _largest_ratio(equilibrium, *_linear_forces(space)) + of_cells.max() ** 2
+    edges = space.edges_on(Kind.LOADED)
+    if not edges.size:
+        return LoadConstants(math.sqrt(volume), 0.0)
+    of_sides = np.concatenate([constants for *_, constants in loaded_sides(space, compliance)])
+    surface = _largest_ratio(equilibrium, *_linear_tractions(space, edges)) + of_sides.max() ** 2
+    return LoadConstants(math.sqrt(volume), math.sqrt(surface))
+
+
+def _linear_forces(space: StressSpace) -> tuple[Loads, Array]:
+    """Return a basis of the body forces that are linear on every cell, and the integrals of products of any two."""
+    # The forces are given by their values at the vertices of the thirds of cells.
     hats = np.moveaxis(thirds(np.eye(3)), 2, 1)
-    force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, components).reshape(-1, space.cells, 3, 3, 2)
+    force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, np.eye(2))
+    force = force.reshape(-1, space.cells, 3, 3, 2)
     surface = np.zeros((len(force), len(space.lengths), DEGREE_OF_CONSTANTS + 1, 2))
-    mass = np.kron(np.kron(np.diag(space.volumes), (np.ones((3, 3)) + np.eye(3)) / 12), components)
-    volume = _largest_ratio(equilibrium, Loads(force, surface), mass)
-    volume += cell_constants(space.map, compliance, 1).max() ** 2
-    sides = [constants for *_, constants in loaded_sides(space, compliance)]
-    if not any(constants.size for constants in sides):
-        return LoadConstants(float(np.sqrt(volume)), 0.0)
-    # A basis of the tractions that are linear on every loaded edge: 1 at one end and 0 at the other, in each direction.
-    edges, ends = np.concatenate([mine for _, mine in space.on(Kind.LOADED)]), np.array([[1, 0.5, 0], [0, 0.5, 1]])
-    surface = np.einsum("ke,in,df->kidenf", np.eye(len(space.lengths))[edges], ends, components)
-    surface = surface.reshape(-1, len(space.lengths), DEGREE_OF_CONSTANTS + 1, 2)
-    mass = np.kron(np.kron(np.diag(space.lengths[edges]), (np.ones((2, 2)) + np.eye(2)) / 6), components)
-    loads = Loads(np.zeros((len(surface), space.cells, 3, 3, 2)), surface)
-    on_edges = _largest_ratio(equilibrium, loads, mass) + np.concatenate(sides).max() ** 2
-    return LoadConstants(float(np.sqrt(volume)), float(np.sqrt(on_edges)))
+    of_hats = (1 + np.eye(3)) / 12
+    return Loads(force, surface), np.kron(np.diag(space.volumes), np.kron(of_hats, np.eye(2)))
+
+
+def _linear_tractions(space: StressSpace, edges: Array) -> tuple[Loads, Array]:
+    """Return a basis of the tractions that are linear on given edges, and the integrals of products of any two."""
+    count = len(space.lengths)
+    # The Bernstein coefficients of the functions that are 1 at one end and 0 at the other.
+    hats = np.array([[1, 0.5, 0], [0, 0.5, 1]])
+    surface = np.einsum("ke,in,df->kidenf", np.eye(count)[edges], hats, np.eye(2))
+    surface = surface.reshape(-1, count, DEGREE_OF_CONSTANTS + 1, 2)
+    force = np.zeros((len(surface), space.cells, 3, 3, 2))
+    of_hats = (1 + np.eye(2)) / 6
+    return Loads(force, surface), np.kron(np.diag(space.lengths[edges]), np.kron(of_hats, np.eye(2)))
 
 
 def _coarse_stresses(body: Body) -> StressSpace:
@@ -207,7 +222,8 @@ def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float
     stresses = equilibrium.balance(loads).values
     weighted = np.einsum("IJ,Jncq,cq->Incq", equilibrium.compliance, stresses, equilibrium.space.weights, optimize=True)
     energy = np.einsum("Incq,Imcq->nm", weighted, stresses, optimize=True)
-    return float(eigh((energy + energy.T) / 2, mass, eigvals_only=True)[-1])
+    ratios = eigh((energy + energy.T) / 2, mass, eigvals_only=True)
+    return float(ratios[-1])
 
 
 def require_units(data: Data) -> None:
@@ -219,14 +235,15 @@ def require_units(data: Data) -> None:
     Raises:
         BoundError: a quantity is too large or too small; the message names it and its value.
     """
-    law, vertices = data.law, data.body.vertices
+    A = data.law.A
+    G = data.law.G
     sizes = {
         "the final time T": [data.body.T],
-        "the size of the body": np.ptp(vertices, axis=1),
-        "a modulus of A": [law.A.ellipticity, law.A.lipschitz],
+        "the size of the body": np.ptp(data.body.vertices, axis=1),
+        "a modulus of A": [A.ellipticity, A.lipschitz],
     }
-    if isinstance(law.G, Linear) and law.G.matrix.any():
-        sizes["the largest entry of G"] = [abs(law.G.matrix).max()]
+    if isinstance(G, Linear) and G.matrix.any():
+        sizes["the largest entry of G"] = [abs(G.matrix).max()]
     for name, values in sizes.items():
         for value in values:
             if not LEAST_DATUM <= value <= MOST_DATUM:
@@ -278,12 +295,14 @@ def require_visible(highest: float, nonzero: bool) -> None:
     Raises:
         BoundError: the bound is too small; the message states it.
     """
-    if nonzero and not math.isfinite(highest):
+    if not nonzero:
+        return
+    if not math.isfinite(highest):
         raise BoundError(
             f"the bound is {highest}: squares of displacements or data overflow in double precision; check them, and "
             "state the problem in units in which they have moderate size"
         )
-    if nonzero and not highest >= SMALLEST_BOUND:
+    if highest < SMALLEST_BOUND:
         raise BoundError(
             f"the data are not zero, and the bound is {highest:.3g}, below {SMALLEST_BOUND:g}: squares of numbers this "
             "small vanish in double precision; state the problem in units in which the data have moderate size"

@@ -89,7 +89,8 @@ def outward(ends: Intervals) -> Intervals:
 
 def _is_power_of_two(ends: Intervals) -> Array:
     """Return whether both ends of intervals are ±2^k or 0, so that products with them have no rounding error."""
-    return np.asarray(np.isin(abs(np.frexp(ends)[0]), (0.0, 0.5)).all(axis=0))
+    mantissas, _ = np.frexp(ends)
+    return np.asarray(np.isin(abs(mantissas), (0.0, 0.5)).all(axis=0))
 
 
 def times(a: Intervals, b: Intervals) -> Intervals:
@@ -102,17 +103,16 @@ def times(a: Intervals, b: Intervals) -> Intervals:
         a, b: the intervals, by their lower and then their upper ends, (2, ...) each.
     """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
-        every = np.array([x * y for x in a for y in b])
-        low, high = every.min(axis=0), every.max(axis=0)
-    if np.isnan(low).any():
-        # A product 0 · ∞ makes the minimum NaN. Only then is it necessary to look at the single products.
-        every[np.isnan(every)] = 0.0
-        low, high = every.min(axis=0), every.max(axis=0)
-    zero = (low == 0) & (high == 0)
+        products = np.array([x * y for x in a for y in b])
+        if np.isnan(products.min()):  # a product 0 · ∞
+            products[np.isnan(products)] = 0.0
+        ends = enclosed(products.min(axis=0), products.max(axis=0))
+    zero = ~ends.any(axis=0)
     if zero.any():
         zero &= a.any(axis=0) & b.any(axis=0)
-        low, high = np.where(zero, -SMALLEST, low), np.where(zero, SMALLEST, high)
-    return enclosed(low, high)
+        ends[0] -= SMALLEST * zero
+        ends[1] += SMALLEST * zero
+    return ends
 
 
 def _scaled(c: float, ends: Intervals) -> Intervals:
@@ -133,27 +133,30 @@ def _monotone(u: Intervals, function: Callable[[Array], Array]) -> Intervals:
 def _power(u: Intervals, q: float) -> Intervals:
     """Return the range of the power x^q for x in given intervals."""
     low, high = u
+    if q == 0:
+        return np.ones_like(u)
+    if q != int(q):
+        undefined = (low < 0) | ((low == 0) & (q < 0))
+        return np.where(undefined, REALS, _monotone_power(np.maximum(u, 0.0), q))
+    ends = _monotone_power(u, q)
+    has_zero = (low <= 0) & (high >= 0)
+    if q < 0:
+        return np.where(has_zero, REALS, ends)
+    if q % 2 == 0:
+        ends[0, has_zero] = 0.0
+    return ends
 
-    def monotone(u: Intervals, q: float) -> Intervals:
-        """Return the range of x^q on intervals on which x does not change its sign.
 
-        If the power of a nonzero number underflows to 0, the range is widened to a small interval.
-        """
-        ends = _monotone(u, lambda x: x**q)
-        zero = u.any(axis=0) & ~ends.any(axis=0)
-        return np.where(zero, [-SMALLEST * (u[0] < 0), np.full_like(u[1], SMALLEST)], ends)
+def _monotone_power(u: Intervals, q: float) -> Intervals:
+    """Return the range of x^q on intervals on which x does not change its sign.
 
-    with np.errstate(all="ignore"):
-        if q == 0:
-            return np.ones_like(u)
-        if q == int(q):
-            ends, inside = monotone(u, int(q)), (low <= 0) & (high >= 0)
-            if q < 0:
-                return np.where(inside, REALS, ends)
-            if q % 2 == 0:
-                ends[0, inside] = 0.0
-            return ends
-        return np.where((low < 0) | ((low == 0) & (q < 0)), REALS, monotone(np.maximum(u, 0.0), q))
+    If the power of a nonzero number underflows to 0, the range is widened to a small interval.
+    """
+    ends = _monotone(u, lambda x: x**q)
+    zero = u.any(axis=0) & ~ends.any(axis=0)
+    ends[0] -= SMALLEST * (zero & (u[0] < 0))
+    ends[1] += SMALLEST * zero
+    return ends
 
 
 def _truncated(u: Intervals, q: float) -> Intervals:
@@ -194,7 +197,8 @@ def _of_cosine(u: Intervals, j: int, turns: int = 0) -> Intervals:
     # The range contains ±1 if a maximum or minimum of cos lies in the interval.
     tops = np.floor(high) >= np.ceil(low)
     bottoms = np.floor(high - 0.5) >= np.ceil(low - 0.5)
-    ends[0, bottoms], ends[1, tops] = -1.0, 1.0
+    ends[0, bottoms] = -1.0
+    ends[1, tops] = 1.0
     return _scaled(1 / math.factorial(j), ends)
 
 
@@ -249,18 +253,24 @@ def coefficients(formula: sp.Expr, u: Intervals, order: int) -> list[Intervals]:
         raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
     if not formula.args[1].is_number:
         raise RangeError(f"{formula} has an exponent that is no number; give it a number")
-    q, power = float(formula.args[1]), _power if formula.is_Pow else _truncated
-    binomials = [math.prod((q - i) / (i + 1) for i in range(j)) for j in range(order + 1)]
+    q = float(formula.args[1])
+    power = _power if formula.is_Pow else _truncated
     # At the kink, derivatives of order above q do not exist. For an integer q this includes the order q + 1, which is 0
     # on both sides and a Dirac measure at the kink.
     kink = isinstance(formula, pos) & (u[0] <= 0) & (u[1] >= 0)
-    return [np.where(kink & (j > q), REALS, _scaled(c, power(u, q - j))) for j, c in enumerate(binomials)]
+    ranges = []
+    binomial = 1.0
+    for j in range(order + 1):
+        ranges.append(np.where(kink & (j > q), REALS, _scaled(binomial, power(u, q - j))))
+        binomial *= (q - j) / (j + 1)
+    return ranges
 
 
 def require_known(formula: sp.Expr) -> None:
     """Raise RangeError if a part of a formula is a function whose derivatives have no known ranges."""
     # The range is computed at one point and discarded; every function of the formula is then evaluated once.
-    Boxes({symbol: (np.zeros(1), np.zeros(1)) for symbol in (t, *formula.free_symbols)}, (), 0)(formula)
+    sides = dict.fromkeys((t, *formula.free_symbols), np.zeros((2, 1)))
+    Boxes(sides, (), 0)(formula)
 
 
 def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | float = 0) -> list[sp.Expr]:
@@ -274,8 +284,8 @@ def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | floa
         distance: the distance of the points from the side in outward direction, a number or a symbol such as
             ``ACROSS``.
     """
-    place = dict(zip((x1, x2), part.start + part.tangent * ARC + part.normal * distance, strict=True))
-    return [formula.subs(place, simultaneous=True) for formula in formulas]
+    place = part.start + part.tangent * ARC + part.normal * distance
+    return [formula.subs({x1: place[0], x2: place[1]}, simultaneous=True) for formula in formulas]
 
 
 # ---- formulas of several variables
@@ -309,8 +319,8 @@ class Series:
 
     def __add__(self, other: Series) -> Series:
         with np.errstate(over="ignore"):
-            found = Series(enclosed(*(self.ends + other.ends)))
-        return found.rounded() if self.nonzero[0] and other.nonzero[0] else found
+            total = Series(enclosed(*(self.ends + other.ends)))
+        return total.rounded() if self.nonzero[0] and other.nonzero[0] else total
 
     def rounded(self, exact: Array | bool = False) -> Series:
         """Round the ranges of the values of the formula outward; ranges of derivatives remain as they are.
@@ -330,9 +340,12 @@ def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
         The numbers i, j and k of all multi-indices with α_i + α_j = α_k, sorted by k, (pairs,) each.
     """
     keys = indices(variables, order)
-    place = {key: number for number, key in enumerate(keys)}
-    pairs = [(tuple(map(sum, zip(a, b, strict=True))), i, j) for i, a in enumerate(keys) for j, b in enumerate(keys)]
-    k, i, j = np.array(sorted((place[total], i, j) for total, i, j in pairs if total in place)).T
+    triples = []
+    for (i, a), (j, b) in product(enumerate(keys), repeat=2):
+        total = tuple(map(sum, zip(a, b, strict=True)))
+        if total in keys:
+            triples.append((keys.index(total), i, j))
+    k, i, j = np.array(sorted(triples)).T
     return i, j, k
 
 
@@ -376,53 +389,66 @@ class Boxes:
     def _expand(self, formula: sp.Expr) -> Series:
         """Compute the series of a formula from the series of its parts, or of a symbol from the sides of the boxes."""
         if formula.is_Symbol:
-            if formula not in self.sides:
-                raise RangeError(f"{formula} is bound in a sum or another unevaluated formula: call .doit() on it")
-            found = self._constant(self.sides[formula])
-            if formula in self.variables and self.order > 0:
-                unit = self.keys.index(tuple(int(formula == variable) for variable in self.variables))
-                found.ends[:, unit] = 1.0
-            return found
+            return self._symbol(formula)
         if formula.is_number:
-            if not (formula.is_real and formula.is_finite):
-                raise RangeError(f"{formula} is no real number; it comes from a power whose base is not positive")
-            value = float(formula)
-            exact = isinstance(formula, sp.Float | sp.Rational) and sp.Rational(formula) == sp.Rational(value)
-            return self._constant(value).rounded(exact)
+            return self._number(formula)
+        if formula.is_Add:
+            return reduce(Series.__add__, map(self, formula.args))
+        if formula.is_Mul:
+            return reduce(self._product, map(self, formula.args))
         if isinstance(formula, sp.Min):
             return self(-sp.Max(*(-part for part in formula.args)))
         if isinstance(formula, sp.Max):
             first, *others = formula.args
             return self._maximum(first, sp.Max(*others))
         if isinstance(formula, sp.Abs):
-            found = self._maximum(formula.args[0], -formula.args[0])
-            found.ends[0, 0] = np.maximum(found.ends[0, 0], 0.0)  # rounding would make it negative
-            return found
+            (part,) = formula.args
+            size = self._maximum(part, -part)
+            size.ends[0, 0] = np.maximum(size.ends[0, 0], 0.0)  # rounding would make it negative
+            return size
         if type(formula) in BY_OTHERS:
             return self(BY_OTHERS[type(formula)](*formula.args))
         if isinstance(formula, sp.Piecewise):
             return self._piecewise(formula)
         if formula.is_Pow and not formula.exp.is_number:
             return self(sp.exp(formula.exp * sp.log(formula.base)))
-        if formula.is_Add or formula.is_Mul:
-            combine = Series.__add__ if formula.is_Add else self._product
-            return reduce(combine, map(self, formula.args))
-        # The series of g(u) is Σ_j g_j δ^j, summed by Horner's rule; δ is the series of u without its constant term.
+        return self._composition(formula)
+
+    def _symbol(self, symbol: sp.Symbol) -> Series:
+        if symbol not in self.sides:
+            raise RangeError(f"{symbol} is bound in a sum or another unevaluated formula: call .doit() on it")
+        series = self._constant(self.sides[symbol])
+        if symbol in self.variables and self.order > 0:
+            # The first derivatives follow the value, the last variable first.
+            series.ends[:, len(self.variables) - self.variables.index(symbol)] = 1.0
+        return series
+
+    def _number(self, number: sp.Expr) -> Series:
+        if not (number.is_real and number.is_finite):
+            raise RangeError(f"{number} is no real number; it comes from a power whose base is not positive")
+        value = float(number)
+        exact = isinstance(number, sp.Float | sp.Rational) and sp.Rational(number) == sp.Rational(value)
+        return self._constant(value).rounded(exact)
+
+    def _composition(self, formula: sp.Expr) -> Series:
+        """Return the series Σ_j g_j δ^j of g(u), by Horner's rule; δ is the series of u without its constant term."""
         inner = self(formula.args[0])
-        outer = coefficients(formula, inner.values, self.order)
-        delta, found = Series(inner.ends.copy()), self._constant(outer[-1])
+        *outer, last = coefficients(formula, inner.values, self.order)
+        delta = Series(inner.ends.copy())
         delta.ends[:, 0] = 0.0
-        for ends in outer[-2::-1]:
-            found = self._product(found, delta) + self._constant(ends)
-        return found.rounded(isinstance(formula, pos))
+        series = self._constant(last)
+        for ends in reversed(outer):
+            series = self._product(series, delta) + self._constant(ends)
+        return series.rounded(isinstance(formula, pos))
 
     def _maximum(self, first: sp.Expr, second: sp.Expr) -> Series:
         """Return the series of Max(first, second); derivatives of order 1 exist on both sides of its kink."""
-        a, b, difference = self(first), self(second), self(first - second)
-        never, always = ORDERED[sp.Ge](*difference.values)
-        found = self._union([(a, never, always), (b, always, ~always)], first - second, 1)
-        found.ends[:, 0] = np.where(never | always, found.values, np.maximum(a.values, b.values))
-        return found
+        a = self(first)
+        b = self(second)
+        never, always = ORDERED[sp.Ge](*self(first - second).values)
+        larger = self._union([(a, never, always), (b, always, ~always)], first - second, 1)
+        larger.ends[:, 0] = np.where(never | always, larger.values, np.maximum(a.values, b.values))
+        return larger
 
     def _piecewise(self, formula: sp.Piecewise) -> Series:
         """Return the series of a Piecewise function, whose derivatives do not exist where its branches may change."""
@@ -444,17 +470,19 @@ class Boxes:
             highest: the highest order of the derivatives that exist on both sides of places where branches change.
         """
         low, high = np.full((2, len(self.keys), self.count), -REALS[..., None])
-        reached, open_boxes = np.zeros(self.count, dtype=int), np.ones(self.count, dtype=bool)
+        reached = np.zeros(self.count, dtype=int)
+        open_boxes = np.ones(self.count, dtype=bool)
         for series, never, always in branches:
             possible = open_boxes & ~never
-            low = np.where(possible, np.minimum(low, series.ends[0]), low)
-            high = np.where(possible, np.maximum(high, series.ends[1]), high)
+            np.minimum(low, series.ends[0], out=low, where=possible)
+            np.maximum(high, series.ends[1], out=high, where=possible)
             reached += possible
             open_boxes &= ~always
-        orders = np.array([sum(key) for key in self.keys])[:, None]
         # Where no condition may hold, the function has no value.
-        seen = bool(change.free_symbols & set(self.variables))
-        unknown = open_boxes | (seen & (orders > highest) & (reached > 1))
+        unknown: Array = open_boxes
+        if change.has(*self.variables):
+            orders = np.array([sum(key) for key in self.keys])[:, None]
+            unknown = open_boxes | ((orders > highest) & (reached > 1))
         return Series(np.where(unknown, REALS[..., None], [low, high]))
 
     def _truth(self, condition: sp.Basic) -> tuple[Flags, Flags]:
@@ -469,16 +497,16 @@ class Boxes:
             holds = np.full(self.count, condition == sp.true)
             return ~holds, holds
         if isinstance(condition, sp.Not | sp.Ne):
+            # Not of Not is not evaluated, because SymPy cannot negate some nested conditions.
             never, always = self._truth(sp.Not(condition) if isinstance(condition, sp.Ne) else condition.args[0])
             return always, never
         if isinstance(condition, sp.Lt | sp.Le):
             return self._truth(condition.reversed)
         if isinstance(condition, sp.And | sp.Or):
             never_each, always_each = zip(*map(self._truth, condition.args), strict=True)
-            some, every = np.logical_or.reduce, np.logical_and.reduce
             if isinstance(condition, sp.And):
-                return some(never_each), every(always_each)
-            return every(never_each), some(always_each)
+                return np.logical_or.reduce(never_each), np.logical_and.reduce(always_each)
+            return np.logical_and.reduce(never_each), np.logical_or.reduce(always_each)
         if isinstance(condition, sp.Xor | sp.ITE | sp.Implies | sp.Equivalent):
             return self._truth(sp.to_nnf(condition, simplify=False))
         if not isinstance(condition, Relational) or not isinstance(condition.lhs, sp.Expr):
@@ -496,8 +524,7 @@ class Boxes:
         """Return the product of two truncated power series; coefficients that are identically 0 are skipped."""
         ends = np.zeros_like(a.ends)
         i, j, k = _products(len(self.variables), self.order)
-        nonzero = a.nonzero[i] & b.nonzero[j]
-        i, j, k = i[nonzero], j[nonzero], k[nonzero]
+        i, j, k = np.array([i, j, k])[:, a.nonzero[i] & b.nonzero[j]]
         if k.size:
             products = times(a.ends[:, i], b.ends[:, j])
             first = np.flatnonzero(np.diff(k, prepend=-1))
@@ -549,7 +576,8 @@ def require_continuous_start(data: Data) -> None:
     """
     if isinstance(data.formulas_of, ExactSolution):
         return
-    body, formulas = data.body, data.formulas_of.start if isinstance(data.formulas_of, Expressions) else ()
+    body = data.body
+    formulas = data.formulas_of.start if isinstance(data.formulas_of, Expressions) else ()
     try:
         for formula in formulas:
             require_known(formula)
@@ -563,16 +591,20 @@ def require_continuous_start(data: Data) -> None:
         return np.where(_meets(body, boxes, margin), spread(boxes), 0.0)
 
     with np.errstate(all="ignore"):
-        tolerance = LEAST_JUMP * abs(data.start(body.sample(np.random.default_rng(0), MOST_BOXES))).max(initial=0.0)
+        sample = data.start(body.sample(np.random.default_rng(0), MOST_BOXES))
+        tolerance = LEAST_JUMP * abs(sample).max()
         _require_small(*_largest(around, inside), tolerance, "jumps by about")
-        for part in (*body.of(Kind.CLAMPED), *body.of(Kind.CONTACT)) if any(formulas) else ():
+        if not any(formulas):
+            return
+        for part in (*body.of(Kind.CLAMPED), *body.of(Kind.CONTACT)):
             size, at = _violation(part, np.array(formulas))
             _require_small(size, part.point(at), tolerance, f"violates the condition of a {part.kind.name} part by")
 
 
 def _violation(part: Part, start: Array) -> tuple[float, Points]:
     """Return how far u_0 is from 0 on a clamped side, or above 0 in normal direction on a contact side, and where."""
-    formulas = along_side(part, [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start])
+    nonpositive = [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start]
+    formulas = along_side(part, nonpositive)
 
     def largest(boxes: Array) -> Array:
         expand = Boxes({ARC: boxes[:, 0]}, (), 0)
@@ -603,7 +635,8 @@ def _largest(boxes: Array, spread: Spread) -> tuple[float, Points]:
         if kept.sum() > MOST_BOXES:
             halves = widths.reshape(-1, 2)
             kept &= (halves.argmax(axis=1)[:, None] == (0, 1)).ravel()
-        boxes, widths = boxes[..., kept], widths[kept]
+        boxes = boxes[..., kept]
+        widths = widths[kept]
     worst = widths.argmax()
     return float(widths[worst]), boxes[..., worst].mean(axis=0)
 
@@ -625,14 +658,16 @@ def _places(boxes: Array) -> Points:
 
 def _meets(body: Body, boxes: Array, margin: float) -> Array:
     """Return whether boxes may meet the body, (n,); a box as small as the margin has to lie farther inside."""
-    middle, radii = boxes.mean(axis=0), np.linalg.norm(boxes[1] - boxes[0], axis=0) / 2
+    middle = boxes.mean(axis=0)
+    radii = np.linalg.norm(boxes[1] - boxes[0], axis=0) / 2
     to_sides = np.min([distance(middle, part.corners) for part in body.parts], axis=0)
     return np.where(to_sides > np.maximum(radii, margin), body.contains(middle), radii > margin)
 
 
 def _spread_of_formulas(formulas: Sequence[sp.Expr]) -> Spread:
     def spread(boxes: Array) -> Array:
-        expand, widths = Boxes({x1: boxes[:, 0], x2: boxes[:, 1]}, (x1, x2), 1), []
+        expand = Boxes({x1: boxes[:, 0], x2: boxes[:, 1]}, (x1, x2), 1)
+        widths = []
         for series in map(expand, formulas):
             is_lipschitz = np.isfinite(series.largest).all(axis=0)
             widths.append(np.where(is_lipschitz, 0.0, np.ptp(series.values, axis=0)))
@@ -647,7 +682,7 @@ def _spread_of_samples(data: Data) -> Spread:
         inside = data.body.contains(places)
         values = np.full(places.shape, np.nan)
         values[:, inside] = data.start(places[:, inside])
-        lowest, highest = np.fmin.reduce(values, axis=1), np.fmax.reduce(values, axis=1)
-        return np.nan_to_num(highest - lowest).max(axis=0)
+        spans = np.fmax.reduce(values, axis=1) - np.fmin.reduce(values, axis=1)
+        return np.nan_to_num(spans).max(axis=0)
 
     return spread

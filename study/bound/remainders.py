@@ -37,7 +37,7 @@ from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.problem import LoadConstants, load_constants, place, require_finite
-from study.bound.ranges import ACROSS, ARC, Boxes, Pair, RangeError, along_side, require_known
+from study.bound.ranges import ACROSS, ARC, Boxes, Intervals, Pair, RangeError, along_side, require_known
 from study.fem.quadrature import Line, rough_cells
 from study.stresses.loads import EDGE_PARTS, LeftOut
 from study.stresses.oscillation import Oscillation
@@ -47,9 +47,14 @@ ORDER = 4
 """Order of the Taylor expansions of the data, which is one more than the highest degree of the Taylor polynomials."""
 CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
-Sides = Mapping[sp.Symbol, Pair]
+Sides = Mapping[sp.Symbol, Pair | Intervals]
 """The type of boxes around cells or parts of edges: for each coordinate, their lower and upper ends, (boxes,) each."""
-GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
+POOR = 0.5
+"""Limit of the fraction of an error bound that is due to unknown changes of the loads between sample points.
+
+Above this fraction a message names the point where the change is largest.
+"""
+
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 PARABOLA_FACTOR, CUBIC_FACTOR = 2.2513, 4.0559
 """The factors 1 + Λ in bounds of the interpolation error in time, with the Lebesgue constant Λ of the nodes.
@@ -82,11 +87,12 @@ class Evidence:
     @property
     def sentences(self) -> list[str]:
         """Sentences for the user: whether the bound is guaranteed, why not, and how to improve it."""
-        found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
-        found = found or ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
+        sentences = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
+        if not sentences:
+            sentences.append("guaranteed: also between quadrature points and times; rounding is not enclosed")
         if self.poorly_seen:
-            found.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
-        return found
+            sentences.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
+        return sentences
 
 
 def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
@@ -118,8 +124,9 @@ def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Ar
         a, b: the ends of the time interval.
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
-    both = [PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1), CUBIC_FACTOR * bounds.min(axis=1)]
-    return np.asarray(np.hypot.reduce(both, axis=1))
+    parabola = PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1)
+    cubic = CUBIC_FACTOR * bounds.min(axis=1)
+    return np.asarray(np.hypot.reduce([parabola, cubic], axis=1))
 
 
 def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
@@ -131,14 +138,18 @@ def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence
     count = len(next(iter(sides.values()))[0])
     boxes = Boxes({**sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
     radii = np.array([np.ptp(boxes.sides[variable], axis=0) / 2 for variable in variables])
-    powers = np.array([np.prod(radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
-    orders, found = np.array([sum(key) for key in boxes.keys]), [np.zeros((ORDER + 1, count))]
-    for series in (boxes(formula) for formula in formulas if formula != 0):
+    keys = np.array(boxes.keys)
+    orders = keys.sum(axis=1)
+    powers = np.prod(radii ** keys[..., None], axis=1)
+    bounds = np.zeros((1 + len(formulas), ORDER + 1, count))
+    for bound, formula in zip(bounds[1:], formulas, strict=True):
+        series = boxes(formula)
         # Where a box has no width, nothing changes, even if there is no bound of the derivative.
         sizes = np.where(powers == 0, 0.0, series.largest) * powers
-        by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
-        found.append(np.array([np.ptp(series.values, axis=0) / 2, *by_order]))
-    return np.array(found)
+        bound[0] = np.ptp(series.values, axis=0) / 2
+        for order in range(1, ORDER + 1):
+            bound[order] = sizes[orders == order].sum(axis=0)
+    return bounds
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
@@ -147,7 +158,7 @@ def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
     Args:
         expressions: the formulas of the data, among them those of u_0.
     """
-    (e_11, slope), (other_slope, e_22) = np.reshape(gradient(expressions.start, (x1, x2)), (2, 2))
+    e_11, slope, other_slope, e_22 = gradient(expressions.start, (x1, x2))
     return e_11, e_22, (slope + other_slope) / sp.sqrt(2)
 
 
@@ -188,23 +199,27 @@ class Sampling:
     @cached_property
     def reasons(self) -> tuple[str, ...]:
         """The reasons why the error bound is only estimated; empty if it is guaranteed."""
-        law, data, found = self.data.law, self.data, []
+        data = self.data
+        law = data.law
+        reasons = []
         if not isinstance(data.formulas_of, Expressions):
-            found.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
+            reasons.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
         else:
             try:
                 for formula in (*_loads(data.formulas_of), *strain_of_start(data.formulas_of)):
                     require_known(formula)
             except RangeError as error:
-                found.append(str(error))
-        if law.A.factor is not UNIFORM or getattr(law.G, "factor", UNIFORM) is not UNIFORM:
-            found.append("A or G varies in x, and norms with it are quadratures")
+                reasons.append(str(error))
+        if law.A.factor is not UNIFORM or law.G.factor is not UNIFORM:
+            reasons.append("A or G varies in x, and norms with it are quadratures")
         if not isinstance(law.G, Linear):
-            found.append(f"the term of the nonlinear G of {law.name} is a quadrature")
+            reasons.append(f"the term of the nonlinear G of {law.name} is a quadrature")
         lines = [Line(*line) for line in data.lines]
         if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
-            found.append(GRADED)
-        return tuple(found)
+            reasons.append(
+                "cells at the lines and points where the data are rough have graded rules, which are not exact"
+            )
+        return tuple(reasons)
 
     @cached_property
     def constants(self) -> LoadConstants:
@@ -222,16 +237,20 @@ class Sampling:
             oscillation: the function that computes the oscillation of a load on each cell from norms of the load.
             a, b: the ends of the time interval.
         """
-        nothing = Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
+        cells = self.space.cells
+        nothing = Missed(np.zeros(cells), 0.0, np.zeros(cells))
         if self.reasons:
             return nothing
-        (e, p, q), (e_Γ, p_Γ, q_Γ) = remainders = self._remainders(a, b)
-        if not any(each.any() for each in remainders):
+        force, surface = self._remainders(a, b)
+        if not (force.any() or surface.any()):
             return nothing
         C = self.constants
+        e, p, q = force
+        e_Γ, p_Γ, q_Γ = surface
         rest = C.volume * np.linalg.norm(2 * e + q) + C.surface * np.linalg.norm(2 * e_Γ + q_Γ)
+        on_edges = C.surface * proportional((2 * e_Γ) ** 2)
         in_cells = C.volume * proportional((2 * e) ** 2)
-        np.add.at(in_cells, self.space.mesh.f2t[0], C.surface * proportional((2 * e_Γ) ** 2))
+        in_cells += np.bincount(self.space.mesh.f2t[0], on_edges, cells)
         return Missed(oscillation(LeftOut(e + p, e + p, e_Γ + p_Γ)), float(rest), in_cells)
 
     def missed_at_start(self) -> float:
@@ -243,20 +262,32 @@ class Sampling:
             return 0.0
         e = in_space(self._cells, strain_of_start(self._expressions), 0.0, 0.0)
         require_finite({"what samples of ε(u_0) miss": e})
-        return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
+        norm = np.linalg.norm(np.sqrt(self.space.volumes) * e)
+        return float(2 * np.sqrt(self.data.law.A.lipschitz) * norm)
 
-    def worst(self, a: float, b: float) -> str:
-        """Return a text that names the load and the point at which it changes most between its samples for a ≤ t ≤ b.
+    def evidence(self, missed: float, bound: float, a: float, b: float) -> Evidence:
+        """Return whether the error bound is guaranteed.
 
-        The text is empty if there are no bounds of the change between the samples.
+        If more than the fraction ``POOR`` of the error bound is due to changes of the loads between sample points, the
+        result names the load and the point at which it changes most for a ≤ t ≤ b.
+
+        Args:
+            missed: the part of the error bound that is due to these changes; 0 if they are not bounded.
+            bound: the error bound.
+            a, b: the ends of the time interval with the largest changes.
         """
-        if self.reasons:
-            return ""
+        if not missed > POOR * bound:
+            return Evidence(self.reasons)
         force, surface = (2 * e + q for e, _, q in self._remainders(a, b))
-        inside = self.constants.volume * force.max() >= self.constants.surface * surface.max(initial=0.0)
         mesh = self.space.mesh
-        at = mesh.p[:, mesh.t[:, force.argmax()] if inside else mesh.facets[:, surface.argmax()]].mean(axis=1)
-        return f"{'f_0' if inside else 'f_2'} is seen poorly near x = {place(at)}, {a:.3g} ≤ t ≤ {b:.3g}"
+        if self.constants.volume * force.max() >= self.constants.surface * surface.max(initial=0.0):
+            load = "f_0"
+            vertices = mesh.t[:, force.argmax()]
+        else:
+            load = "f_2"
+            vertices = mesh.facets[:, surface.argmax()]
+        at = mesh.p[:, vertices].mean(axis=1)
+        return Evidence((), f"{load} is seen poorly near x = {place(at)}, {a:.3g} ≤ t ≤ {b:.3g}")
 
     @property
     def _expressions(self) -> Expressions:
@@ -266,21 +297,26 @@ class Sampling:
     @cached_property
     def _cells(self) -> Sides:
         corners = self.space.mesh.p[:, self.space.mesh.t]
-        return {x: (c.min(axis=0), c.max(axis=0)) for x, c in zip((x1, x2), corners, strict=True)}
+        ends = np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+        return dict(zip((x1, x2), ends, strict=True))
 
     @cached_property
     def _loaded(self) -> Sequence[tuple[Array, Sides, list[sp.Expr]]]:
         """For each part of Γ2: its edges, the subintervals of these edges, and f_2 as formulas in the arc length."""
-        space, found, loads = self.space, [], dict(self._expressions.loads)
-        for part, edges in space.on(Kind.LOADED):
-            corners = space.mesh.p[:, space.mesh.facets[:, edges]]
-            low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
-            cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
-            formulas = along_side(part, loads.get(self.data.body.parts.index(part), ()), ACROSS)
+        body = self.data.body
+        mesh = self.space.mesh
+        loads = dict(self._expressions.loads)
+        loaded = []
+        for part, edges in self.space.on(Kind.LOADED):
+            (along,), _ = part.coordinates(mesh.p[:, mesh.facets[:, edges]])
+            low, high = np.sort(along, axis=0)
+            cuts = np.linspace(low, high, EDGE_PARTS + 1)
+            formulas = along_side(part, loads.get(body.parts.index(part), ()), ACROSS)
             # Rounding moves samples off the side. Conditions that change across the side are undecided on it.
-            width = np.full(cuts[1:].size, CORNER_ROUNDING * abs(self.data.body.vertices).max())
-            found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}, formulas))
-        return found
+            width = np.full(cuts[1:].size, CORNER_ROUNDING * abs(body.vertices).max())
+            sides = {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}
+            loaded.append((edges, sides, formulas))
+        return loaded
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
@@ -291,9 +327,10 @@ class Sampling:
         """
         # Results are cached, because several callers need the same intervals. If the loads do not depend on time, all
         # intervals have the same result.
-        at_rest = not any(formula.has(t) for formula in _loads(self._expressions))
         cached = lru_cache(maxsize=CACHED)(self._compute_remainders)
-        return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
+        if any(formula.has(t) for formula in _loads(self._expressions)):
+            return cached
+        return lambda a, b: cached(0.0, 0.0)
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
         """Return the L² norms of the bounds e, p and q for a ≤ t ≤ b, in the form that ``_remainders`` describes."""
@@ -308,9 +345,9 @@ class Sampling:
             # norm.
             of_parts = all_three(sides, formulas).reshape(3, EDGE_PARTS, -1)
             surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
-        for name, (e, p, q) in (("f_0", force), ("f_2", surface)):
-            missed = {"space": e, "time": np.maximum(p, q)}
-            require_finite({f"what samples of {name} in {where} miss": value for where, value in missed.items()})
+        for name, bounds in (("f_0", force), ("f_2", surface)):
+            require_finite({f"what samples of {name} in space miss": bounds[0]})
+            require_finite({f"what samples of {name} in time miss": bounds[1:]})
         return force * np.sqrt(self.space.volumes), surface * np.sqrt(self.space.lengths)
 
 

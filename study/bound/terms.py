@@ -80,7 +80,8 @@ from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.remainders import Missed, proportional
 from study.bound.trajectory import Parabola
-from study.stresses.loads import Loads, together
+from study.stresses.loads import Loads, Snapshot, together
+from study.stresses.stress_space import interval_mass
 
 ROUNDS = 4
 """Number of iterations that improve the fractions w_i of the residual that the elasticity compensates."""
@@ -178,20 +179,24 @@ def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple
     the condition that the bound is stationary, then the weights from β. One iteration starts from w = 0. Another starts
     close to w = 1, because w = 1 is best for y = c = 0, but the first iteration then stays at 0.
     """
-    k, mean, largest = step.k, step.mean, step.largest
+    k = step.k
+    mean = step.mean
+    largest = step.largest
     g = np.maximum(moduli - theta, 0.0)
-    single, double = kernel(theta, k), kernel(2 * theta, k)
+    single = kernel(theta, k)
+    double = kernel(2 * theta, k)
     decayed = np.exp(-theta * k) * y
     rest = min(k * mean.rest, single * largest.rest)
     for w in (np.zeros(len(g)), g / (g + FIRST_PRODUCT / k)):
         for _ in range(ROUNDS):
             inverse = np.divide(w**2, g, out=np.zeros_like(w), where=g > 0)
             square = min(k * mean.squares(inverse), double * largest.squares(inverse))
-            linear = min(np.sqrt(double * k) * mean.joined(1 - w), single * largest.joined(1 - w)) + rest
+            joined = mean.joined(1 - w)
+            linear = min(np.sqrt(double * k) * joined, single * largest.joined(1 - w)) + rest
             root = float(np.hypot(decayed, np.sqrt(square)))
             yield root + linear, float(np.hypot(y, np.sqrt(square))) + linear
             taking = 2 * root * g
-            w = np.divide(taking, taking + mean.joined(1 - w), out=np.zeros_like(g), where=taking > 0)
+            w = np.divide(taking, taking + joined, out=np.zeros_like(g), where=taking > 0)
 
 
 def kernel(rate: float, k: float) -> float:
@@ -199,27 +204,27 @@ def kernel(rate: float, k: float) -> float:
     return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
 
 
-def mean_square(*norms: Array) -> Array:
-    """Return a bound of the mean of ‖f‖² over a time step, for a function f that is a parabola in time.
+def mean_square(norms: Array) -> Array:
+    """Return a bound of the mean of ‖f‖² over a time step, for a parabola f in time, (3, ...) → (...).
 
     The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the three values f_i and the Lagrange polynomials L_i.
 
     Args:
         norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
     """
-    return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
+    return np.einsum("ij,i...,j...->...", LAGRANGE, norms, norms)
 
 
-def largest_square(*norms: Array) -> Array:
-    """Return a bound of ‖f‖² at all times of a step, for a function f that is a parabola in time.
+def largest_square(norms: Array) -> Array:
+    """Return a bound of ‖f‖² at all times of a step, for a parabola f in time, (3, ...) → (...).
 
     Args:
         norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
     """
-    return (LEBESGUE * np.max(norms, axis=0)) ** 2
+    return np.asarray((LEBESGUE * norms.max(axis=0)) ** 2)
 
 
-QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
+QUADRATIC = interval_mass(2, 2)
 """Integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_0, B_1, B_2 of degree 2."""
 CURVED, BENT = 1.5, 1.027
 """Factors by which values that are computed on a time interval are multiplied to bound the maximum over the interval.
@@ -315,13 +320,13 @@ class Terms:
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),
-            mean_square(*self.oscillation),
+            mean_square(self.oscillation),
             float(self.contact_on_edges.sum()),
             self.curvature + self.bending + rest,
         )
         largest = Sizes(
-            np.max([self.residual[i, i] for i in range(3)], axis=0),
-            largest_square(*self.oscillation),
+            np.einsum("iidc->idc", self.residual).max(axis=0),
+            largest_square(self.oscillation),
             float(self.contact.sum(axis=2).max()),
             # The interpolation error of a cubic is a multiple of θ(θ − ½)(θ − 1), which is at most BENT times its value
             # at θ = ¼. Its mean is smaller than this value, so the mean needs no factor.
@@ -406,7 +411,8 @@ class Majorant:
         Raises:
             BoundError: the velocity of ũ jumps at a knot.
         """
-        remaining, before = iter(pieces), None
+        remaining = iter(pieces)
+        before = None
         while block := list(islice(remaining, self._together)):
             for piece in block:
                 rate = piece.rate(end=False)
@@ -419,44 +425,46 @@ class Majorant:
 
     def _block(self, pieces: list[Parabola]) -> Iterator[Terms]:
         """Yield the terms of the error bound on consecutive time intervals."""
-        d, first = self.discretisation, pieces[0]
-        # At the knots, which are the ends of the intervals.
-        snapshots = [d.snapshot(time) for time in (first.a, *(piece.b for piece in pieces))]
+        d = self.discretisation
+        first = pieces[0]
+        # The displacement, its velocity and the loads at the knots, which are the ends of the intervals.
         u = np.array([first.start, *(piece.end for piece in pieces)])
         rates = np.array([first.rate(end=False), *(piece.rate(end=True) for piece in pieces)])
-        viscous, elastic = d.viscous(rates), d.elastic(u)
-        at_knots, pressure = self._residual(together([at.loads for at in snapshots]), viscous + elastic, u)
-        # The middle Bernstein coefficients on the intervals.
+        knots = [d.snapshot(time) for time in (first.a, *(piece.b for piece in pieces))]
+        middles = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
+        quarters = [d.snapshot(piece.a + (piece.b - piece.a) / 4) for piece in pieces]
+        start, middle, end, quarter = map(_loads, (knots[:-1], middles, knots[1:], quarters))
+        # The middle Bernstein coefficient of the parabola through the loads P f at both ends and in the middle.
+        control_loads = 2.0 * middle + (-0.5) * (start + end)
+        viscous = d.viscous(rates)
+        elastic = d.elastic(u)
+        residual, pressure = self._residual(_loads(knots), viscous + elastic, u)
+        # The middle Bernstein coefficients of all other quantities.
         control = np.array([piece.control for piece in pieces])
-        middle = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
-        a, m, b = (together([at.loads for at in some]) for some in (snapshots[:-1], middle, snapshots[1:]))
-        # The parabola through the loads P f at both ends (a, b) and in the middle (m) has this middle Bernstein
-        # coefficient.
-        loads = 2.0 * m + (-0.5) * (a + b)
-        between, curvature = self._elastic(pieces, control, elastic)
-        target = (viscous[:, :-1] + viscous[:, 1:]) / 2 + between
-        residual, pressure_between = self._residual(loads, target, control)
-        products = self.products([at_knots[:, :-1], residual, at_knots[:, 1:]])
-        # At a quarter of an interval, the loads P f differ from this parabola. The norm of the smallest stress that
+        control_elastic, curvature = self._elastic(pieces, rates, control, elastic)
+        control_viscous = (viscous[:, :-1] + viscous[:, 1:]) / 2
+        target = control_viscous + control_elastic
+        control_residual, control_pressure = self._residual(control_loads, target, control)
+        products = self.products([residual[:, :-1], control_residual, residual[:, 1:]])
+        # At a quarter of an interval, the loads P f differ from the parabola. The norm of the smallest stress that
         # balances the difference, with τν = 0 on Γ3, bounds the dual norm of the difference.
-        quarter = together([d.snapshot(piece.a + (piece.b - piece.a) / 4).loads for piece in pieces])
-        parabola = (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b
+        parabola = (9 / 16) * start + (6 / 16) * control_loads + (1 / 16) * end
         balancing = self._in_directions(d.equilibrium.balance(quarter + (-1.0) * parabola).values)
         bending = np.sqrt(self.products([balancing])[0, 0].sum(axis=(0, -1)))
-        moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
+        pressures = np.array([pressure[:-1], control_pressure, pressure[1:]])
+        moments = d.normal_moments(np.array([u[:-1], control, u[1:]]))
         # By complementarity these products are not negative, but rounding can make them so.
-        pressures = np.array([pressure[:-1], pressure_between, pressure[1:]])
-        contact = np.maximum(np.einsum("ipen,pjen->pije", pressures, moments), 0.0)
+        contact = np.maximum(np.einsum("ipen,jpen->pije", pressures, moments), 0.0)
         for n, piece in enumerate(pieces):
             missed = d.sampling.missed(d.oscillation, piece.a, piece.b)
-            at = snapshots[n], middle[n], snapshots[n + 1]
-            oscillation = np.array([d.oscillation(one.left_out) + missed.cells for one in at])
+            snapshots = knots[n], middles[n], knots[n + 1]
+            oscillation = np.array([d.oscillation(snapshot.left_out) for snapshot in snapshots])
             yield Terms(
                 piece=piece,
                 residual=products[..., n, :],
                 curvature=float(curvature[n]),
                 contact=contact[n],
-                oscillation=oscillation,
+                oscillation=oscillation + missed.cells,
                 bending=float(bending[n]),
                 missed=missed,
             )
@@ -484,9 +492,9 @@ class Majorant:
 
         With these factors (w/α)^½, a sum of products over the points is an integral ∫_T (v_i·σ)(v_i·τ)/α.
         """
-        found = mapped(self._directions, stress)
-        found *= self._roots
-        return found
+        components = mapped(self._directions, stress)
+        components *= self._roots
+        return components
 
     def products(self, stresses: Sequence[Array]) -> Array:
         """Return the inner products on every cell of any two of n stresses, for each direction of ``Moduli``.
@@ -498,16 +506,19 @@ class Majorant:
                 the weights, (directions, ..., cells, Q).
         """
         n = len(stresses)
-        found = np.empty((n, n, *stresses[0].shape[:-1]))
+        products = np.empty((n, n, *stresses[0].shape[:-1]))
         for a, b in combinations_with_replacement(range(n), 2):
-            found[a, b] = found[b, a] = np.einsum("...q,...q->...", stresses[a], stresses[b])
-        return found
+            products[a, b] = products[b, a] = np.einsum("...q,...q->...", stresses[a], stresses[b])
+        return products
 
-    def _elastic(self, pieces: list[Parabola], control: Array, at_knots: Tensors) -> tuple[Tensors, Array]:
+    def _elastic(
+        self, pieces: list[Parabola], rates: Array, control: Array, at_knots: Tensors
+    ) -> tuple[Tensors, Array]:
         """Approximate the elastic stress Gε(ũ) on each time interval by a parabola in time.
 
         Args:
             pieces: the displacement ũ on each time interval.
+            rates: the velocity of ũ at the ends of the intervals, (times + 1, dofs).
             control: its middle Bernstein coefficients, (times, dofs).
             at_knots: the stress Gε(ũ) at the ends of the intervals, (3, times + 1, cells, Q).
 
@@ -515,23 +526,29 @@ class Majorant:
             The middle Bernstein coefficients of the parabolas, and bounds of the mean distances
             ‖Gε(ũ) − parabola‖_{A⁻¹}, which are 0 for linear G.
         """
-        d, elastic = self.discretisation, self.discretisation.elastic(control)
-        A, G = d.data.law.A, d.data.law.G
+        d = self.discretisation
+        G = d.data.law.G
+        elastic = d.elastic(control)
         if isinstance(G, Linear):
             return elastic, np.zeros(len(pieces))
-        rates = [np.array([piece.rate(end) for piece in pieces]) for end in (False, True)]
+        left = at_knots[:, :-1]
+        right = at_knots[:, 1:]
         k = np.array([piece.b - piece.a for piece in pieces])[:, None, None]
-        change = G.lipschitz * k * np.maximum(*(np.linalg.norm(d.strain(rate), axis=0) for rate in rates)) / 3
-        left, right = at_knots[:, :-1], at_knots[:, 1:]
+        speeds = np.linalg.norm(d.strain(rates), axis=0)
+        change = G.lipschitz * k * np.maximum(speeds[:-1], speeds[1:]) / 3
         if isinstance(G, Yield):
-            change[np.all([abs(g).max(axis=0) == 0 for g in (left, elastic, right)], axis=0)] = 0.0
+            change[~np.any([left, elastic, right], axis=(0, 1))] = 0.0
         squares = np.einsum("cq,pcq->p", d.stresses.weights, change**2)
-        return (left + right) / 2, np.sqrt(squares / A.ellipticity)
+        return (left + right) / 2, np.sqrt(squares / d.data.law.A.ellipticity)
 
     def _interval(self, terms: Terms, y: float) -> Interval:
         """Return the error bound on one time interval, from its terms and the bound y at its start."""
-        d, moduli, piece, step = self.discretisation, self.discretisation.moduli, terms.piece, terms.step()
-        k, mean, missed = step.k, step.mean, terms.missed
+        d = self.discretisation
+        moduli = d.moduli
+        step = terms.step()
+        k = step.k
+        mean = step.mean
+        missed = terms.missed
         at_b, inside = grow(y, moduli.values, step)
         # The contributions of the cells and of time to the increase of y. Only their proportions matter, because they
         # are scaled below so that their sum is the increase.
@@ -539,14 +556,15 @@ class Majorant:
         squares = weights @ mean.residual
         changing = part_that_changes(weights @ terms.residual, squares)
         added = k * proportional((np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2)
-        cells = added * (1 - changing) + k * missed.in_cells
         by_contact = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
-        of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
-        np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
-        shares = Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
+        of_contact = d.divided_at_contact(by_contact, terms.contact_on_edges)
+        in_cells = k * missed.in_cells
+        cells = added * (1 - changing) + in_cells + of_contact
+        time = float(added @ changing + k * mean.rest - in_cells.sum())
+        shares = Shares(cells, time)
         return Interval(
-            a=piece.a,
-            b=piece.b,
+            a=terms.piece.a,
+            b=terms.piece.b,
             at_a=y,
             at_b=at_b,
             inside=inside,
@@ -557,6 +575,11 @@ class Majorant:
             missed=k * missed.everywhere,
             shares=shares.scaled_to(at_b - moduli.decay(k) * y),
         )
+
+
+def _loads(snapshots: Sequence[Snapshot]) -> Loads:
+    """Return the projected loads at several times, given at single times."""
+    return together([snapshot.loads for snapshot in snapshots])
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:

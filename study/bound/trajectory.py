@@ -94,8 +94,8 @@ class Computed:
     @property
     def at_vertices(self) -> Array:
         """The displacements u_h of the vertices at the k stored times, (k, 2, vertices)."""
-        values = self.nodes.reshape(len(self.times), -1, 2)[:, : self.mesh.p.shape[1]]
-        return values.swapaxes(1, 2)
+        at_nodes = self.nodes.reshape(len(self.times), -1, 2)
+        return at_nodes[:, : self.mesh.p.shape[1]].swapaxes(1, 2)
 
     @cached_property
     def at(self) -> Callable[[float], Array]:
@@ -125,11 +125,14 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Compu
     Returns:
         The piecewise linear displacement u_h at the time nodes.
     """
-    data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
-    J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
+    data = discretisation.data
+    space = Space(discretisation.mesh, data.body)
+    J = prolongation(space, discretisation)
+    start = space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda times: J.T @ at_each(times, discretisation.load), start)
     nodes = np.array([space.coefficients(state.u).ravel() for state in scheme.march(problem, steps)])
-    return Computed(space.mesh, space.body, 1, np.linspace(0.0, data.body.T, steps + 1), nodes, steps)
+    times = np.linspace(0.0, data.body.T, steps + 1)
+    return Computed(space.mesh, space.body, 1, times, nodes, steps)
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
@@ -164,26 +167,33 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     Raises:
         BoundError: ``fine`` is not such a refinement.
     """
-    cells, vertices = mesh.t.shape[1], fine.p.shape[1]
-    numbers, nodes = numbers_of(fine), nodes_of(fine)
-    _, first = np.unique(numbers, return_index=True)
-    parents = first % numbers.shape[1] % cells
+    cells = mesh.t.shape[1]
+    vertices = fine.p.shape[1]
+    nodes = nodes_of(fine)
+    count = nodes.shape[1]
+    # For each node a cell of the fine mesh that has it, and the coarse cell in which this cell lies.
+    _, first = np.unique(numbers_of(fine), return_index=True)
+    parents = first % fine.t.shape[1] % cells
     places = barycentric(mesh, parents, nodes[:, :, None])[..., 0]
     parts = 2.0 * np.sqrt(fine.t.shape[1] / cells)
     exact = np.rint(parts * places) / parts
-    if len(first) != nodes.shape[1] or not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):
+    if not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):
         raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
     values = exact
+    columns = mesh.t[:, parents]
+    width = mesh.p.shape[1]
     if degree == 2:
-        values = np.array([*(2 * exact**2 - exact), *(4 * exact[a] * exact[b] for a, b in EDGES)])
-    of_nodes = numbers_of(mesh)[: len(values), parents]
-    count = mesh.p.shape[1] + (degree == 2) * mesh.facets.shape[1]
-    places_in_matrix = np.tile(np.arange(len(first)), len(values)), of_nodes.ravel()
-    at_nodes = sps.csr_array((values.ravel(), places_in_matrix), shape=(len(first), count))
+        on_edges = [4 * exact[a] * exact[b] for a, b in EDGES]
+        values = np.vstack([2 * exact**2 - exact, on_edges])
+        columns = numbers_of(mesh)[:, parents]
+        width += mesh.facets.shape[1]
+    rows = np.tile(np.arange(count), len(values))
+    at_nodes = sps.csr_array((values.ravel(), (rows, columns.ravel())), shape=(count, width))
     # On an edge with the values a and b at its ends and the middle Bernstein coefficient c, the value at the midpoint
     # is c/2 + (a + b)/4. This equation is solved for c.
     at_ends = at_nodes[fine.facets[0]] + at_nodes[fine.facets[1]]
-    coefficients = sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends])
+    middle = 2.0 * at_nodes[vertices:] - 0.5 * at_ends
+    coefficients = sps.vstack([at_nodes[:vertices], middle])
     return sps.csr_array(sps.kron(coefficients, sps.eye_array(2)))
 
 
@@ -229,7 +239,9 @@ class Refined:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
     def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
-        data, V, G = fine.data, fine.displacements, fine.data.law.G
+        data = fine.data
+        G = data.law.G
+        V = fine.displacements
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The initial value must be admissible (N v ≤ 0). Among these functions it is the best approximation of u_0 in
         # ‖·‖_V.
@@ -283,7 +295,9 @@ class Parabola:
             s, t: the ends of the time interval; s = t gives the value at this time.
         """
         x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
-        return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
+        left = (1 - x) * self.start + x * self.control
+        right = (1 - x) * self.control + x * self.end
+        return (1 - y) * left + y * right
 
     def rate(self, end: bool) -> Array:
         """Return the velocity, the time derivative of the parabola, at a, or at b if ``end`` is true, (dofs,)."""
@@ -299,11 +313,16 @@ def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:
     """
     iterator = iter(nodes)
     before, old = next(iterator)
-    knot, point = before, old
+    knot = before
+    point = old
     for time, new in iterator:
-        middle, here = (before + time) / 2, (old + new) / 2
+        middle = (before + time) / 2
+        here = (old + new) / 2
         # The first half step is a straight line, so its control point is the mean of its ends.
         control = (point + here) / 2 if knot == before else old
         yield Parabola(knot, middle, point, control, here)
-        before, old, knot, point = time, new, middle, here
+        before = time
+        old = new
+        knot = middle
+        point = here
     yield Parabola(knot, before, point, (point + old) / 2, old)

@@ -37,7 +37,7 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise, product
+from itertools import product
 from pathlib import Path
 
 import clarabel
@@ -47,6 +47,7 @@ from numpy.typing import ArrayLike
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
+from manufactured.body import Kind
 from manufactured.data import Data
 from manufactured.tensors import Array, Tensors, basis
 from study.bound.discretisation import Discretisation
@@ -71,8 +72,6 @@ DISPLACEMENT_DIGITS = 38
 """Number of binary digits of the displacement ũ, relative to its largest value."""
 LOAD_BITS = 60
 """Number of binary digits to which the body forces here agree with the body forces of the checker."""
-ON_EDGE = [Fraction(i, 3) for i in range(4)]
-"""The relative positions on an edge at which the traction f_2 is interpolated by a cubic polynomial."""
 
 
 def bits_below(size: float, digits: int) -> int:
@@ -84,7 +83,9 @@ def bits_below(size: float, digits: int) -> int:
         size: the largest absolute value of the numbers.
         digits: the number of binary digits of the largest integer.
     """
-    return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
+    if not size:
+        return 1
+    return max(digits - math.ceil(math.log2(size)), 1)
 
 
 def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
@@ -100,18 +101,19 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
         The integers at each time, x and y in turn, (times, 2 (vertices + edges)).
     """
     normals = defaultdict[int, set[checker.Vector]](set)
-    clamped = set[int]()
+    clamped: list[int] = []
     for edge, side in mesh.boundary.items():
+        nodes = mesh.nodes_of(edge)
         if side.kind == "clamped":
-            clamped.update(mesh.nodes_of(edge))
+            clamped += nodes
         elif side.kind == "contact":
-            for n in mesh.nodes_of(edge):
+            for n in nodes:
                 normals[n].add(side.normal)
-    found = np.round(values * 2.0**bits).astype(np.int64)
+    integers = np.round(values * 2.0**bits).astype(np.int64)
     for n, of_node in normals.items():
-        found[:, n] = [admissible(v, of_node) for v in found[:, n].tolist()]
-    found[:, [*clamped]] = 0
-    return found.reshape(len(found), -1)
+        integers[:, n] = [admissible(v, of_node) for v in integers[:, n].tolist()]
+    integers[:, clamped] = 0
+    return integers.reshape(len(integers), -1)
 
 
 def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> list[int]:
@@ -121,14 +123,20 @@ def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> lis
         value: the given vector, two integers.
         normals: the normals N of the contact sides that meet at a node, none of which are opposite.
     """
-    inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
+    units = [np.array(N, dtype=float) / math.hypot(*N) for N in normals]
+    inward = -np.sum(units, axis=0)
     # A short vector (p, q) is sought, because a multiple of it is added.
     scale = 1
     p = 0
     q = 0
     while any(checker.dot((p, q), N) >= 0 for N in normals):
-        (p, q), scale = (round(c) for c in scale * inward), 2 * scale
-    steps = max(0, *(math.ceil(Fraction(checker.dot(value, N)) / -checker.dot((p, q), N)) for N in normals))
+        p, q = (round(c) for c in scale * inward)
+        scale *= 2
+    steps = 0
+    for N in normals:
+        # N is a pair of fractions, so the quotient is exact.
+        needed = checker.dot(value, N) / -checker.dot((p, q), N)
+        steps = max(steps, math.ceil(needed))
     return [value[0] + steps * p, value[1] + steps * q]
 
 
@@ -145,41 +153,53 @@ class StressEncoder:
     """
 
     def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
+        exact = twins.exact
         space = fine.stresses
         self.problem = problem
-        self.exact = twins.exact
         self.twins = twins
         self.space = space
+        self._surface_load = fine.data.surface_load
         element, self._free = reference_element()
-        self.layout = checker.Stresses(self.exact, {"bits": 1, "coarse": 0}, checker.Element.of(element))
-        self._loads = checker.Loads(problem, self.exact, LOAD_BITS)
-        F = np.array([cell.F for cell in self.exact.cells], dtype=float).reshape(-1, 2, 2) / self.exact.h
+        self._loads = checker.Loads(problem, exact, LOAD_BITS)
+        maps = np.array([cell.F for cell in exact.cells], dtype=float) / exact.h
+        F = maps.reshape(-1, 2, 2)
         self._twice_area = np.linalg.det(F)
         self._adjugate = np.linalg.inv(F) * self._twice_area[:, None, None]
         self._fit = np.linalg.pinv(self._monomials(checker.CUBIC))
         # Every edge of the layout is a side of a cell, from its first to its second vertex counter-clockwise.
-        sides = {(v[i - 2], v[i - 1]): (n, i) for n, v in enumerate(c.v for c in self.exact.cells) for i in range(3)}
-        edges = [*self.layout.contact, *self.layout.loaded, *self.layout.free]
-        self._loaded = slice(len(self.layout.contact), len(self.layout.contact) + len(self.layout.loaded))
+        sides = {}
+        for number, cell in enumerate(exact.cells):
+            for i in range(3):
+                sides[cell.v[i - 2], cell.v[i - 1]] = number, i
+        layout = checker.Stresses(exact, {"bits": 1, "coarse": 0}, checker.Element.of(element))
+        edges = [*layout.contact, *layout.loaded, *layout.free]
+        self._ends = np.cumsum([len(layout.contact), len(layout.loaded)])
         cells, places = np.array([sides[edge] for edge in edges]).T
         self._sides = twins.cells[cells], twins.corners[cells, places]
         self._edges = space.edges[self._sides]
-        self._backward = space.mesh.facets[0, self._edges] != twins.nodes[[a for a, _ in edges]]
-        self._normals = np.array([self.exact.along(edge) for edge in edges])[:, ::-1] * [1, -1] / self.exact.h
+        starts = twins.nodes[[start for start, _ in edges]]
+        self._backward = space.mesh.facets[0, self._edges] != starts
+        along = np.array([exact.along(edge) for edge in edges])
+        self._normals = along[:, ::-1] * [1, -1] / exact.h
 
     def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        first, middle, last = (Loads(self._force(t), self._surface(t)) for t in (a, (a + b) / 2, b))
-        return [first, 2 * middle + -0.5 * (first + last), last]
+        first, middle, last = (self._surface(float(time)) for time in (a, (a + b) / 2, b))
+        surfaces = first, 2 * middle - (first + last) / 2, last
+        forces = map(self._force, self._loads.controls(a, b))
+        return list(map(Loads, forces, surfaces))
 
-    def _force(self, time: Fraction) -> Array:
-        """Return the body force of the checker at a time as in ``Loads.force``."""
-        found = np.zeros((self.space.cells, 3, 6, 2))
-        if numbers := self._loads.on_cells([p(X, Y, checker.constant(time)) for p in self.problem.force]):
-            force = np.reshape(np.array(numbers, dtype=float), (-1, 6, 2)) / 2.0**LOAD_BITS
-            values = self._monomials(checker.SQUARE) @ (force / self._twice_area[:, None, None])[:, None]
-            found[self.twins.cells] = np.linalg.pinv(self.space.force_shapes.T) @ values
-        return found
+    def _force(self, control: list[Poly]) -> Array:
+        """Return a Bernstein coefficient in time of the body force of the checker as in ``Loads.force``."""
+        coefficients = np.zeros((self.space.cells, 3, 6, 2))
+        numbers = self._loads.on_cells(control)
+        if numbers:
+            force = np.array(numbers, dtype=float) / 2.0**LOAD_BITS
+            force /= self._twice_area[:, None]
+            values = self._monomials(checker.SQUARE) @ force.reshape(-1, 1, 6, 2)
+            fit = np.linalg.pinv(self.space.force_shapes.T)
+            coefficients[self.twins.cells] = fit @ values
+        return coefficients
 
     def _monomials(self, exponents: list[tuple[int, int, int]]) -> Array:
         """Return monomials on the reference triangle of the checker at the quadrature points of scikit-fem.
@@ -187,28 +207,30 @@ class StressEncoder:
         Axes: cell of the checker, subtriangle of scikit-fem, point, monomial.
         """
         _, X, Y = np.moveaxis(self.space.barycentric[self.twins.corners], 1, 0)
-        return np.stack([X**i * Y**j for i, j, _ in exponents], axis=-1).reshape(len(X), 3, -1, len(exponents))
+        monomials = np.stack([X**i * Y**j for i, j, _ in exponents], axis=-1)
+        return monomials.reshape(len(X), 3, -1, len(exponents))
 
-    def _surface(self, time: Fraction) -> Array:
-        """Return the traction f_2 at a time as in ``Loads.surface``, interpolated on every loaded edge."""
-        found = np.zeros((len(self.space.lengths), 4, 2))
-        here = self._loaded
-        for n, backward, edge in zip(self._edges[here], self._backward[here], self.layout.loaded, strict=True):
-            p, q = (self.exact.place(v) for v in edge)
-            for i, share in enumerate(reversed(ON_EDGE) if backward else ON_EDGE):
-                place = [a + share * (b - a) for a, b in zip(p, q, strict=True)]
-                found[n, i] = [value_of(f, (*place, time)) for f in self.exact.boundary[edge].load]
-        x = np.array(ON_EDGE, dtype=float)
-        return np.linalg.solve(bernstein(3, np.array([1 - x, x])).T, found)
+    def _surface(self, time: float) -> Array:
+        """Return the traction f_2 at a time as in ``Loads.surface``, interpolated by a cubic on every loaded edge."""
+        mesh = self.space.mesh
+        x = np.linspace(0, 1, 4)
+        values = np.zeros((len(self.space.lengths), 4, 2))
+        for part, edges in self.space.on(Kind.LOADED):
+            start, end = np.moveaxis(mesh.p[:, mesh.facets[:, edges]], 1, 0)
+            points = start[..., None] + np.multiply.outer(end - start, x)
+            f_2 = self._surface_load(part, points)
+            values[edges] = np.moveaxis(f_2(time), 0, -1)
+        return np.linalg.solve(bernstein(3, np.array([1 - x, x])).T, values)
 
     def tractions(self, stress: EquilibratedStress) -> Array:
         """Return the Bernstein coefficients of tractions |e|σν on the edges, (edges, 4, 2).
 
         Edges are in the order of ``checker.Stresses``: contact, loaded, free. ν points to the right of an edge.
         """
-        cartesian = stress.tractions[self._sides] @ self.space.frames[self._edges]
-        along = np.where(self._backward[:, None, None], cartesian[:, ::-1], cartesian)
-        return along * self.space.lengths[self._edges, None, None]
+        space = self.space
+        cartesian = stress.tractions[self._sides] @ space.frames[self._edges]
+        cartesian[self._backward] = cartesian[self._backward, ::-1]
+        return cartesian * space.lengths[self._edges, None, None]
 
     def inner(self, values: Tensors) -> Array:
         """Return the nine inner numbers of every cell of a stress, (cells, 9).
@@ -218,16 +240,17 @@ class StressEncoder:
         Args:
             values: the stress at the quadrature points of the space, (3, cells, Q).
         """
-        of_thirds = np.moveaxis(values[:, self.twins.cells], 0, -1).reshape(len(self._adjugate), 3, -1, 3)
-        coefficients = self._fit @ of_thirds
+        on_cells = np.moveaxis(values[:, self.twins.cells], 0, -1)
+        coefficients = self._fit @ on_cells.reshape(len(on_cells), 3, -1, 3)
         # The stress on the reference triangle is σ̂ = F⁻¹ σ F⁻ᵀ det F, and the checker multiplies it by det F.
         A = self._adjugate
         E = basis(2)
         hat = np.einsum("cik,Ikl,cjl,ctnI->ctnij", A, E, A, coefficients, optimize=True)
         component, third, monomial = self._free.T
         row, column = np.array([[0, 0], [1, 1], [0, 1]])[component].T
-        found: Array = hat[np.arange(len(hat))[:, None], self.twins.corners[:, third], monomial, row, column]
-        return found * self.exact.h
+        cells = np.arange(len(hat))[:, None]
+        inner: Array = hat[cells, self.twins.corners[:, third], monomial, row, column]
+        return inner * self.twins.exact.h
 
     def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[Array, Array]:
         """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
@@ -244,27 +267,19 @@ class StressEncoder:
             The numbers of the tractions, in the order of ``checker.Stresses.tractions``: four for each edge of Γ3,
             eight for each other edge, in one row. And the inner numbers, (9 cells,).
         """
-        contact, loaded, free = np.split(tractions, [self._loaded.start, self._loaded.stop])
+        contact, loaded, free = np.split(tractions, self._ends)
         n = self._normals[: len(contact), None]
-        pressed = np.minimum((contact * n).sum(axis=2) / (n * n).sum(axis=2), 0)
-        modes = np.linalg.solve(np.array(checker.MODES).T, free) / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
-        numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)]) * 2.0**bits
-        return np.round(numbers), np.round(inner * 2.0 ** (bits - coarse)).ravel()
+        normal = (contact * n).sum(axis=2) / (n * n).sum(axis=2)
+        pressed = np.minimum(normal, 0)
+        modes = np.linalg.solve(np.array(checker.MODES).T, free)
+        modes[:, 2:] /= 2.0**coarse
+        numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)])
+        inner_numbers = inner.ravel() * 2.0 ** (bits - coarse)
+        return np.round(numbers * 2.0**bits), np.round(inner_numbers)
 
 
-def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula of the checker at a point in space and time.
-
-    Args:
-        formula: the terms of the formula.
-        place: the coordinates (x, y, t).
-    """
-    terms = [term(*map(checker.constant, place)).plain() for term in formula]
-    return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
-
-
-GIVEN, INNER = 36, 9
-"""Numbers of inputs of the reference element: 36 prescribed tractions and forces, and 9 free coefficients."""
+INNER = 9
+"""Number of free coefficients of a stress on the reference element."""
 RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
 FIELD_BITS = 28
 """Number of binary digits of the tensor field Φ: it is rounded to multiples of 2^−FIELD_BITS."""
@@ -284,8 +299,10 @@ SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
 
 def _coefficients(tractions: list[Poly], divergences: list[Poly]) -> list[Fraction]:
     """Return the coefficients of 12 cubic polynomials on edges and of 6 polynomials of degree 2 on subtriangles."""
-    on_edges = [p.get((n, 0, 0), Fraction(0)) for p in tractions for n in range(4)]
-    return on_edges + [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
+    zero = Fraction(0)
+    on_edges = [p.get((n, 0, 0), zero) for p in tractions for n in range(4)]
+    in_thirds = [p.get(key, zero) for p in divergences for key in SQUARE]
+    return on_edges + in_thirds
 
 
 def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
@@ -300,11 +317,14 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
     jumps = []
     divergences = []
     for i in range(3):
-        outside += checker.tractions(stress[i], CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3])
-        left, right = (checker.tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2))
+        # A negative number counts from the end.
+        outside += checker.tractions(stress[i], CORNERS[i - 2], CORNERS[i - 1])
+        left = checker.tractions(stress[i - 2], CORNERS[i], CENTRE)
+        right = checker.tractions(stress[i - 1], CORNERS[i], CENTRE)
         jumps += [p - q for p, q in zip(left, right, strict=True)]
         x, y, z = (checker.combination(checker.PLAIN, values) for values in stress[i])
-        divergences += [x.slope(0) + z.slope(1), z.slope(0) + y.slope(1)]
+        divergences.append(x.slope(0) + z.slope(1))
+        divergences.append(z.slope(0) + y.slope(1))
     return _coefficients(outside + jumps, divergences)
 
 
@@ -321,24 +341,31 @@ def reference_element() -> tuple[Json, Array]:
         and monomial, (9, 3).
     """
     # Monomials of high degree are eliminated first: the columns are then ten times smaller, and low degrees stay free.
-    unknowns = sorted(product(range(3), range(3), range(10)), key=lambda place: -sum(CUBIC[place[2]]))
-    none = [Poly()]
-    every = [_of_stress(*place) for place in unknowns]
-    every += [_coefficients(none * 12, [p * -1 for p in motion] * 3) for motion in RIGID]
+    places = product(range(3), range(3), range(10))
+    unknowns = sorted(places, key=lambda place: -sum(CUBIC[place[2]]))
+    no_tractions = [Poly()] * 12
+    no_divergences = [Poly()] * 6
+    columns = [_of_stress(*place) for place in unknowns]
+    for motion in RIGID:
+        columns.append(_coefficients(no_tractions, [p * -1 for p in motion] * 3))
     for side, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
-        every.append(_coefficients([p * -(n == 2 * side + d) for n in range(12)], none * 6))
+        tractions = no_tractions.copy()
+        tractions[2 * side + d] = p * -1
+        columns.append(_coefficients(tractions, no_divergences))
     for key, d in product(SQUARE, (0, 1)):
-        every.append(_coefficients(none * 12, [Poly({key: Fraction(1)}) if c == d else Poly() for c in (0, 1)] * 3))
-    rows = [[QQ(x.numerator, x.denominator) for x in row] for row in zip(*every, strict=True)]
-    solutions = DomainMatrix(rows, (len(rows), len(every)), QQ).nullspace(divide_last=True).to_list()
+        force = [Poly(), Poly()]
+        force[d] = Poly({key: Fraction(1)})
+        columns.append(_coefficients(no_tractions, force * 3))
+    equations = [[x.as_integer_ratio() for x in row] for row in zip(*columns, strict=True)]
+    null_space = DomainMatrix.from_list(equations, QQ).nullspace(divide_last=True)
+    solutions = null_space.to_list()
     # In each solution, the last coefficient that is not 0 is the degree of freedom, which is 1.
-    freedoms = [max(n for n, x in enumerate(row) if x) for row in solutions]
-    if freedoms[INNER:] != [*range(len(every) - GIVEN, len(every))]:
-        raise ArithmeticError(f"the reference element has {len(freedoms) - GIVEN} free coefficients, expected {INNER}")
-    order = np.lexsort(np.transpose(unknowns)[::-1])
-    found = [[Fraction(int(row[n].numerator), int(row[n].denominator)) for n in order] for row in solutions]
-    numerators, over = checker.common(found[INNER:] + found[:INNER])
-    return {"over": over, "columns": numerators}, np.array(unknowns)[freedoms[:INNER]]
+    free = [max(n for n, x in enumerate(row) if x) for row in solutions[:INNER]]
+    order = sorted(range(len(unknowns)), key=unknowns.__getitem__)
+    stresses = [[Fraction(str(row[n])) for n in order] for row in solutions]
+    prescribed_first = stresses[INNER:] + stresses[:INNER]
+    numerators, over = checker.common(prescribed_first)
+    return {"over": over, "columns": numerators}, np.array(unknowns)[free]
 
 
 # ---- the constants of the loads, from a semidefinite programme
@@ -360,10 +387,10 @@ def constants(mesh: Json, problem: checker.Problem) -> Json:
     exact = checker.Mesh.of(mesh, problem)
     inside = WITH_FORCE if any(problem.force) else WITHOUT_FORCE
     field, largest = _solve(exact, problem, float(inside))
-    rounded = [[int(c) for c in row] for row in np.round(field * 2**FIELD_BITS)]
+    rounded = np.round(field * 2**FIELD_BITS).astype(np.int64).tolist()
     for slack in SLACKS:
         kappa = Fraction(largest * (1 - slack)).limit_denominator(10**6)
-        found = {
+        stated = {
             "mesh": mesh,
             "bits": FIELD_BITS,
             "field": rounded,
@@ -371,10 +398,10 @@ def constants(mesh: Json, problem: checker.Problem) -> Json:
             "surface": str(kappa),
         }
         try:
-            checker.load_constants(found, problem)
+            checker.load_constants(stated, problem)
         except checker.RefusedError:
             continue
-        return found
+        return stated
     raise BoundError(
         "no constant of the loads could be proved for this body: the checker refused every rounded field Φ; the mesh "
         "of the body may have very flat cells, so avoid small angles and very short sides"
@@ -392,74 +419,78 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     Returns:
         The four independent components of Φ at the vertices, (vertices, 4), and κ.
     """
-    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
+    *components, kappa = np.eye(unknowns)
+    phi = np.reshape(components, (-1, 4, unknowns))
     # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
     rows = []
     right = []
-    for linear, constant in blocks:
+    cones = []
+    for linear, constant in (*_inside(mesh, problem, phi, inside * kappa), *_on_boundary(mesh, phi, kappa)):
         j, i = np.tril_indices(len(constant))
         scale = np.where(i == j, 1.0, np.sqrt(2))
         rows.append(sps.csr_matrix(-scale[:, None] * linear[i, j]))
         right.append(scale * constant[i, j])
-    cones = [clarabel.PSDTriangleConeT(len(constant)) for _, constant in blocks]
+        cones.append(clarabel.PSDTriangleConeT(len(constant)))
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     objective = np.zeros(unknowns)
     objective[-1] = -1.0
     matrix = sps.csc_matrix(sps.vstack(rows))
-    nothing = sps.csc_matrix((unknowns, unknowns))
-    solver = clarabel.DefaultSolver(nothing, objective, matrix, np.concatenate(right), cones, settings)
-    x = np.array(solver.solve().x)
-    return x[:-1].reshape(-1, 4), float(x[-1])
+    quadratic = sps.csc_matrix((unknowns, unknowns))
+    solver = clarabel.DefaultSolver(quadratic, objective, matrix, np.concatenate(right), cones, settings)
+    *field, largest = solver.solve().x
+    return np.reshape(field, (-1, 4)), largest
 
 
-def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
+def _inside(mesh: checker.Mesh, problem: checker.Problem, phi: Array, mu: Array) -> Iterator[tuple[Array, Array]]:
     """Yield the conditions of the programme at the vertices of the cells, as linear functions of the unknowns.
 
-    The unknowns are the values of Φ, then κ. Each condition is the matrix with the Schur complement in the docstring of
-    the module. It is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5).
+    The unknowns are the values of Φ, then κ. Each condition is the upper triangle of the matrix with the Schur
+    complement in the docstring of the module. It is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5).
+
+    Args:
+        mesh: the mesh on which Φ is linear.
+        problem: the problem.
+        phi: the four components of Φ at each vertex, (vertices, 4, unknowns).
+        mu: the constant μ, (unknowns,).
     """
     constant = -SEMIDEFINITE_MARGIN * np.eye(5)
-    constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
+    constant[2:, 2:] = np.array(problem.A, dtype=float)
     for cell in mesh.cells:
-        divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
         a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
-        for w, slope in zip(cell.v, ((c - d, b - a), (d, -b), (-c, a)), strict=True):
-            divergence[:2, :2] += _contracted(mesh, w, slope)
-        divergence[[0, 1], [0, 1], -1] -= inside
+        slopes = (c - d, b - a), (d, -b), (-c, a)
+        divergence = -np.multiply.outer(np.eye(2), mu)
+        for v, slope in zip(cell.v, slopes, strict=True):
+            divergence += _contracted(phi[v], slope)
         for v in cell.v:
-            block = divergence.copy()
-            for stress, columns in enumerate(((0, 1), (2, 3), (1, 2))):
-                block[[0, 1], 2 + stress, [4 * v + column for column in columns]] += 1
+            block = np.zeros((5, 5, len(mu)))
+            block[:2, :2] = divergence
+            block[:2, 2:] = phi[v, ((0, 2, 1), (1, 3, 2))]  # rows: the stresses Φe_1 and Φe_2
             yield block, constant
 
 
-def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
+def _on_boundary(mesh: checker.Mesh, phi: Array, kappa: Array) -> Iterator[tuple[Array, Array]]:
     """Yield the conditions of the programme at the ends of edges outside Γ1, in the same form as ``_inside``.
 
     The matrix is −Φ(ν), and on loaded edges −Φ(ν) − κ 1.
     """
     for edge, side in mesh.boundary.items():
-        normal = np.array([float(c) for c in side.normal])
+        if side.kind == "clamped":
+            continue
+        normal = np.array(side.normal, dtype=float)
         normal /= np.linalg.norm(normal)
-        for v in edge if side.kind != "clamped" else ():
-            block = -_contracted(mesh, v, normal)
+        for v in edge:
+            block = -_contracted(phi[v], normal)
             if side.load:
-                block[[0, 1], [0, 1], -1] -= 1
+                block -= np.multiply.outer(np.eye(2), kappa)
             yield block, -SEMIDEFINITE_MARGIN * np.eye(2)
 
 
-def _contracted(mesh: checker.Mesh, v: int, vector: ArrayLike) -> Array:
-    """Return the upper triangle of the matrix Φ·vector at a vertex v as a linear function of the unknowns.
-
-    The shape is (2, 2, unknowns). The unknowns are the four components of Φ at each vertex, then κ.
-    """
-    block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
-    for k, entry in enumerate(((0, 0), (0, 1), (1, 1))):
-        # The entry k of Φ·vector contains the components k and k + 1 of Φ.
-        block[entry][[4 * v + k, 4 * v + k + 1]] = vector
-    return block
+def _contracted(components: Array, vector: ArrayLike) -> Array:
+    """Return the matrix Φ·vector at a vertex from the components of Φ, (4, unknowns) → (2, 2, unknowns)."""
+    p, q, r = (np.dot(vector, components[k : k + 2]) for k in range(3))
+    return np.array([[p, q], [q, r]])
 
 
 CONSTANTS_LEVEL = 12
@@ -517,53 +548,66 @@ def make_certificate(
     for _ in range(refined.refinements):
         exact = exact.refined()
     twins = Twins(fine.mesh, exact)
-    V = fine.displacements
-    nodes = [node for _, node in refined.nodes(fine, u_h)]
-    u = np.array([V.coefficients(node)[twins.nodes] for node in nodes])
-    bits = bits_below(float(abs(u).max()), DISPLACEMENT_DIGITS)
-    m = float(fine.moduli.values.min())
-    damping = max(Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING), Fraction(0))
+    nodes = list(refined.nodes(fine, u_h))
+    u = np.array([fine.displacements.coefficients(node)[twins.nodes] for _, node in nodes])
+    bits = bits_below(abs(u).max(), DISPLACEMENT_DIGITS)
+    m = max(0.0, float(fine.moduli.values.min()))
+    damping = Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING)
     mesh_of_constants = rational_mesh(Unstructured()(data.body, CONSTANTS_LEVEL), data.body)
+    proved = constants(mesh_of_constants, problem)
+    displacement = {"bits": bits, "nodes": differences(rounded(exact, u, bits))}
+    encoder = StressEncoder(problem, twins, fine)
+    stress = _rounded_stresses(encoder, fine, nodes, progress)
     return {
         "format": checker.FORMAT,
         "level": level,
         "problem": stated,
-        "constants": constants(mesh_of_constants, problem),
+        "constants": proved,
         "m": str(damping),
         "mesh": mesh,
         "refinements": refined.refinements,
         "computed": u_h.nodes.tolist(),
         "element": reference_element()[0],
-        "displacement": {"bits": bits, "nodes": differences(rounded(exact, u, bits))},
-        "stress": _rounded_stresses(StressEncoder(problem, twins, fine), fine, nodes, progress),
+        "displacement": displacement,
+        "stress": stress,
     }
 
 
 def _rounded_stresses(
-    encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
+    encoder: StressEncoder, fine: Discretisation, nodes: list[tuple[float, Array]], progress: Callable[[float], object]
 ) -> Json:
     """Compute the stress σ̃ of a certificate at all times and round it to integers.
 
     Between two knots of the spline ũ, σ̃ is a parabola in time. It is stored at every knot, and by one control point
     between any two knots. The result is the entry "stress" of the certificate.
+
+    Args:
+        encoder: computes the loads, and the integers of a stress.
+        fine: the discretisation on the mesh of ũ.
+        nodes: the control points of the spline ũ, with their times.
+        progress: a function that is called with each time for which the stress is finished.
     """
-    T = Fraction(encoder.problem.T)
-    k = T / (len(nodes) - 1)
-    knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
-    times = np.linspace(0, float(T), len(nodes)).tolist()
+
+    def stress_at(load: Loads, u: Array, rate: Array) -> tuple[Array, Array]:
+        target = fine.viscous(rate) + fine.elastic(u)
+        stress = fine.nearest_stress(load, target, u)
+        return encoder.tractions(stress), encoder.inner(stress.values + target)
+
+    # The spline of the checker has the same knots, as fractions.
+    exact_pieces = checker.pieces([[0]] * len(nodes), encoder.problem.T)
     stresses: list[tuple[Array, Array]] = []
-    for piece, (a, b) in zip(spline(zip(times, nodes, strict=True)), pairwise(knots), strict=True):
+    for piece, exact in zip(spline(nodes), exact_pieces, strict=True):
+        start, middle, end = encoder.loads(exact.a, exact.b)
         first = piece.rate(end=False)
         last = piece.rate(end=True)
-        controls = (piece.start, first), (piece.control, (first + last) / 2), (piece.end, last)
-        for j, (load, (u, rate)) in enumerate(zip(encoder.loads(a, b), controls, strict=True)):
-            if j or not stresses:  # the start of a piece is the end of the piece before
-                target = fine.viscous(rate) + fine.elastic(u)
-                stress = fine.nearest_stress(load, target, u)
-                stresses.append((encoder.tractions(stress), encoder.inner(stress.values + target)))
-        progress(float(b))
+        if not stresses:  # the start of any other piece is the end of the piece before
+            stresses.append(stress_at(start, piece.start, first))
+        stresses.append(stress_at(middle, piece.control, (first + last) / 2))
+        stresses.append(stress_at(end, piece.end, last))
+        progress(piece.b)
     # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
-    bits = bits_below(max(float(abs(tractions).max()) for tractions, _ in stresses), FINE_DIGITS)
+    largest = max(abs(tractions).max() for tractions, _ in stresses)
+    bits = bits_below(largest, FINE_DIGITS)
     coarse = FINE_DIGITS - COARSE_DIGITS
     tractions, inner = zip(*(encoder.integers(*stress, bits, coarse) for stress in stresses), strict=True)
     return {"bits": bits, "coarse": coarse, "tractions": differences(tractions), "inner": differences(inner)}
@@ -579,12 +623,12 @@ def differences(rows: ArrayLike) -> list[list[int]]:
         rows: the numbers, one row for each time, (times, k).
     """
     # They become integers of Python, because 64 bits may be too few.
-    found = np.frompyfunc(int, 1, 1)(np.array(rows))
-    for _ in range(2):
-        found = np.diff(found, axis=0, prepend=0)
-    return found.tolist()
+    integers = np.frompyfunc(int, 1, 1)(np.array(rows))
+    first = np.diff(integers, axis=0, prepend=0)
+    return np.diff(first, axis=0, prepend=0).tolist()
 
 
 def write(path: Path, certificate: Json) -> Path:
     """Write a certificate to a file and return its path; equal certificates give identical files."""
-    return write_packed(path, json.dumps(certificate, separators=(",", ":")))
+    text = json.dumps(certificate, separators=(",", ":"))
+    return write_packed(path, text)

@@ -22,7 +22,7 @@ from manufactured.data import Data, Expressions
 from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.symbols import pos, t
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Points
 from study.bound.problem import BoundError
 from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
@@ -31,11 +31,12 @@ from study.ledger.files import Json
 
 SIMPLE = 10**6
 """Largest denominator of a simple fraction that replaces a number in double precision."""
+ON_PART = 1e-7
+"""A vertex counts as lying on a part of the boundary up to this distance, relative to the mesh size."""
 FINENESS = 64
 """The size of cells is at least this many times the width of the lattice to which vertices are moved."""
 ROUNDED_TWICE = 4e-16
 """Relative rounding error of a number that is multiplied by √2 twice."""
-KIND_NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
 SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
@@ -49,8 +50,9 @@ def rational(x: float, tolerance: float = 0.0) -> Fraction:
         x: the number.
         tolerance: the largest relative distance of the simple fraction from x. With 0, the fraction must round to x.
     """
-    simple = Fraction(x).limit_denominator(SIMPLE)
-    return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)
+    exact = Fraction(x)
+    simple = exact.limit_denominator(SIMPLE)
+    return simple if abs(float(simple) - x) <= tolerance * abs(x) else exact
 
 
 def statement(data: Data) -> Json:
@@ -75,14 +77,18 @@ def statement(data: Data) -> Json:
     force = [_terms("f_0", formula) for formula in expressions.force]
     if any(q for component in force for _, _, q in component):
         raise BoundError("f_0 has a kink, pos(…); certificates support kinks in f_2 only")
-    loads = {number: [_terms("f_2", formula) for formula in load] for number, load in expressions.loads}
+    loads = {}
+    for number, load in expressions.loads:
+        terms = [_terms("f_2", formula) for formula in load]
+        if any(terms):
+            loads[str(number)] = terms
     return {
         "vertices": [[str(c) for c in corner] for corner in corners(data.body)],
-        "kinds": [KIND_NAMES[part.kind] for part in data.body.parts],
+        "kinds": [part.kind.name.lower() for part in data.body.parts],
         "T": str(rational(data.body.T)),
         **_law(data.law),
         "force": force,
-        "loads": {str(number): load for number, load in loads.items() if any(load)},
+        "loads": loads,
         "start": [_polynomial("u_0", formula, (x1, x2)) for formula in expressions.start],
     }
 
@@ -93,7 +99,7 @@ def corners(body: Body) -> list[tuple[Fraction, ...]]:
 
 
 def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
-    found = {}
+    tensors = {}
     for name, operator in (("A", law.A), ("G", law.G)):
         if not isinstance(operator, Linear) or operator.factor is not UNIFORM:
             raise BoundError(
@@ -103,8 +109,8 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
             raise BoundError(
                 f"{name} softens, but certificates need a positive one; use `study bound`, which does not need this"
             )
-        found[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
-    return found
+        tensors[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
+    return tensors
 
 
 def voigt(matrix: Array) -> list[list[Fraction]]:
@@ -117,9 +123,9 @@ def voigt(matrix: Array) -> list[list[Fraction]]:
     """
     scale = np.sqrt([1.0, 1.0, 0.5])
     # The factors √2 were rounded twice, so a simple fraction that differs by no more than this error is taken as exact.
-    values = scale[:, None] * ((matrix + matrix.T) / 2) * scale
-    found = [[rational(float(c), ROUNDED_TWICE) for c in row] for row in values]
-    return [[found[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]
+    symmetric = (matrix + matrix.T) / 2
+    values = scale[:, None] * symmetric * scale
+    return [[rational(c, ROUNDED_TWICE) for c in row] for row in values.tolist()]
 
 
 def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
@@ -133,26 +139,29 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
         A list of terms [p, g, q]; a term without ``pos`` has g = [] and q = 0.
     """
     grouped: dict[tuple[sp.Expr, int], sp.Expr] = {}
-    for summand in sp.Add.make_args(sp.expand(sp.nsimplify(formula, rational=True))):
+    summands = sp.Add.make_args(sp.expand(sp.nsimplify(formula, rational=True)))
+    for summand in summands:
         factor, truncated = _split(name, summand)
-        grouped[truncated] = grouped.get(truncated, sp.Integer(0)) + factor
-    return [
-        [_polynomial(name, factor, (x1, x2, t)), _polynomial(name, g, (x1, x2, t)) if q else [], q]
-        for (g, q), factor in grouped.items()
-        if factor != 0
-    ]
+        grouped[truncated] = grouped.get(truncated, 0) + factor
+    terms: list[list[Any]] = []
+    for (g, q), factor in grouped.items():
+        p = _polynomial(name, factor, (x1, x2, t))
+        if p:
+            terms.append([p, _polynomial(name, g, (x1, x2, t)), q])
+    return terms
 
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
     """Split a summand p · pos(g, q) of a formula into p and the pair (g, q); ``name`` is for messages."""
     if not summand.has(pos):
         return summand, (sp.Integer(0), 0)
-    plain, truncated = summand.as_independent(pos, as_Add=False)
+    factor, truncated = summand.as_independent(pos, as_Add=False)
     base, power = truncated.as_base_exp()
-    q = base.args[1] * power if isinstance(base, pos) else sp.nan
+    g, exponent = base.args if isinstance(base, pos) else (base, sp.nan)
+    q = exponent * power
     if not q.is_Integer or q < 1:
         raise BoundError(f"{name} has the summand {summand}; {SERVED}, q = 1, 2, …")
-    return plain, (sp.expand(base.args[0]), int(q))
+    return factor, (sp.expand(g), int(q))
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
@@ -163,7 +172,7 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
         raise BoundError(f"{name} has {formula}; {SERVED}") from error
     except (sp.CoercionFailed, ValueError) as error:
         raise BoundError(f"{name} has {formula}, whose coefficients are not rational; {SERVED}") from error
-    return [[str(Fraction(int(c.p), int(c.q))), *key] for key, c in p.terms() if c != 0]
+    return [[str(c), *key] for key, c in p.terms() if c]
 
 
 def rational_mesh(mesh: Mesh, body: Body) -> Json:
@@ -177,26 +186,29 @@ def rational_mesh(mesh: Mesh, body: Body) -> Json:
         ``points`` has the numerators of the coordinates over the common ``denominator``, ``cells`` the vertices of each
         cell counter-clockwise, and ``sides`` the vertices on every part of the boundary, in their order along it.
     """
-    bits = math.ceil(math.log2(FINENESS / size(mesh)))
-    unit = 1 << bits
-    sides = corners(body)
-    points = [tuple(Fraction(round(c * unit), unit) for c in point) for point in mesh.p.T.tolist()]
-    tolerance = 1e-7 * size(mesh)
+    h = size(mesh)
+    unit = 2 ** math.ceil(math.log2(FINENESS / h))
+    starts = corners(body)
+    ends = [*starts[1:], starts[0]]
+    points = []
+    for point in mesh.p.T.tolist():
+        points.append(tuple(Fraction(round(c * unit), unit) for c in point))
     chains = []
-    for part, start, end in zip(body.parts, sides, [*sides[1:], sides[0]], strict=True):
+    for part, start, end in zip(body.parts, starts, ends, strict=True):
         shares = {}
-        for v in np.flatnonzero(part.contains(mesh.p, tolerance)).tolist():
-            along = float(np.dot(mesh.p[:, v] - part.start, part.tangent)) / part.measure
-            share = rational(along)
+        for v in np.flatnonzero(part.contains(mesh.p, ON_PART * h)).tolist():
+            position = float(np.dot(mesh.p[:, v] - part.start, part.tangent)) / part.measure
+            share = rational(position)
             if share.denominator > unit:
-                share = Fraction(round(along * unit), unit)
+                share = Fraction(round(position * unit), unit)
             points[v] = tuple(a + share * (b - a) for a, b in zip(start, end, strict=True))
             shares[v] = share
-        chains.append(sorted(shares, key=shares.__getitem__))
+        chain = sorted(shares, key=shares.__getitem__)
+        chains.append(chain)
     denominator = math.lcm(*(c.denominator for point in points for c in point))
     cells = mesh.t.copy()
-    turned = determinants(mesh.p, cells) < 0
-    cells[1:, turned] = cells[:0:-1, turned]
+    clockwise = determinants(mesh.p, cells) < 0
+    cells[1:, clockwise] = cells[:0:-1, clockwise]
     return {
         "denominator": denominator,
         "points": [[int(c * denominator) for c in point] for point in points],
@@ -207,8 +219,9 @@ def rational_mesh(mesh: Mesh, body: Body) -> Json:
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
     """Convert a mesh of the checker, which has rational vertices, to a scikit-fem mesh in double precision."""
-    points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
-    return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
+    points = np.array([[c / mesh.h for c in point] for point in mesh.points])
+    cells = np.array([cell.v for cell in mesh.cells])
+    return simplicial_mesh(points.T, cells.T)
 
 
 class Twins:
@@ -228,9 +241,17 @@ class Twins:
     def __init__(self, skfem: Mesh, exact: checker.Mesh) -> None:
         self.exact = exact
         points = np.array(exact.points, dtype=float) / exact.h
+        midpoints = points[np.array(exact.edges)].mean(axis=1)
         triangles = np.array([cell.v for cell in exact.cells])
-        mine = np.vstack([points, points[np.array(exact.edges)].mean(axis=1)])
-        self.nodes: Array = cKDTree(nodes_of(skfem).T).query(mine)[1]
-        self.cells: Array = cKDTree(skfem.p[:, skfem.t].mean(axis=1).T).query(points[triangles].mean(axis=1))[1]
+        centres = points[triangles].mean(axis=1)
+        self.nodes = nearest(nodes_of(skfem), np.vstack([points, midpoints]))
+        self.cells = nearest(skfem.p[:, skfem.t].mean(axis=1), centres)
         vertices = self.nodes[triangles]
-        self.corners: Array = (skfem.t.T[self.cells][:, None, :] == vertices[:, :, None]).argmax(axis=2)
+        same = skfem.t.T[self.cells][:, None, :] == vertices[:, :, None]
+        self.corners: Array = same.argmax(axis=2)
+
+
+def nearest(places: Points, points: Array) -> Array:
+    """Return for each of n points, (n, 2), the number of the nearest of given places, (2, m) → (n,)."""
+    _, numbers = cKDTree(places.T).query(points)
+    return np.asarray(numbers)

@@ -249,8 +249,8 @@ def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(out, adapt,
         total = found["shares"].sum() + found["in_time"]
         assert (total, found["in_time"] / total) == pytest.approx(rows[["bound", "in_time"]].iloc[-1], abs=1e-4)
 
-    before, calls = adaptive.adapted, []
-    monkeypatch.setattr(adaptive, "adapted", lambda *given: calls.append(given) or before(*given))
+    calls = []
+    monkeypatch.setattr("study.cli.bound.adapted", lambda *given: calls.append(given) or adapted(*given))
     adapt("0.15")
     assert not calls
     adapt("0.11")

@@ -95,7 +95,9 @@ def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch)
 
 def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound():
     """Three times with distances d and bounds y."""
-    times, distance, bound = np.array([0.25, 0.5, 1.0]), np.array([2.0, 1.0, 0.25]), np.array([0.5, 2.0, 0.25])
+    times = np.array([0.25, 0.5, 1.0])
+    distance = np.array([2.0, 1.0, 0.25])
+    bound = np.array([0.5, 2.0, 0.25])
     rest = np.full(3, math.nan), (), 1.0, np.zeros(1), np.array([2.75, 3.5, 1.0]), Evidence(()), (4.0, 5.0)
     found = Enclosure(0.5, times, distance, bound, *rest, np.eye(2))
     assert relative((1.5, 3.5), (4.0, 5.0)) == (1.5 / 5, 3.5 / 4)
@@ -142,6 +144,7 @@ def test_the_distance_between_knots_is_the_largest_of_a_parabola(control, end, l
 def test_the_distance_is_cut_at_every_time_of_u_h():
     """u_h is 0 except for a narrow peak within the piece, of which ends and middle of the piece see nothing."""
     d, v = on_a_square()
-    piece, times = Parabola(0.0, 0.25, 0 * v, 0 * v, 0 * v), np.array([0.0, 0.05, 0.07, 0.09, 1.0])
+    piece = Parabola(0.0, 0.25, 0 * v, 0 * v, 0 * v)
+    times = np.array([0.0, 0.05, 0.07, 0.09, 1.0])
     found = enclosing.largest_distance(d, piece, times, lambda time: np.interp(time, times, [0, 0, 3, 0, 0]) * v)
     assert found == pytest.approx(3, rel=1e-12)

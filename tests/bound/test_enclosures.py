@@ -75,7 +75,9 @@ def closest(case, mesh, scheme, steps, trajectory):
     assert found.lowest - slack <= found.error.max() <= found.highest + slack
 
     fine = trajectory.discretisation(coarse)
-    u_h, true, rng = computed.on(fine), distance(fine, case.solution), np.random.default_rng(0)
+    u_h = computed.on(fine)
+    true = distance(fine, case.solution)
+    rng = np.random.default_rng(0)
     for piece, interval in zip(spline(trajectory.nodes(fine, computed)), found.intervals, strict=True):
         assert (piece.a, piece.b) == (interval.a, interval.b)
         assert interval.inside >= max(interval.at_a, interval.at_b) * (1 - 1e-12)
@@ -151,7 +153,8 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coeffic
     def w(y, z):
         return constant + slope * (y + z) / 2 + curvature * y * z
 
-    u, body = g(t, t) * sp.Matrix([0, w(x2, x2)]), unit_square()
+    u = g(t, t) * sp.Matrix([0, w(x2, x2)])
+    body = unit_square()
     sigma = stress(law.A, u.diff(t)) + stress(law.G, u)
     data = Data.formulas(body, law, *loads(sigma, body), tuple(u.subs(t, 0)))
     data.check()

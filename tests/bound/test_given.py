@@ -119,8 +119,11 @@ def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement_and_other
 
 
 def test_arrays_of_other_shapes_mean_the_same():
-    plain, arrays = given(PROBLEM, **field()), field()
-    points, u, corners = arrays["points"], arrays["u"], arrays["triangles"].ravel()
+    plain = given(PROBLEM, **field())
+    arrays = field()
+    points = arrays["points"]
+    u = arrays["u"]
+    corners = arrays["triangles"].ravel()
     solid = {"points": np.pad(points, ((0, 0), (0, 1)), constant_values=1.0), "u": np.pad(u, ((0, 0), (0, 0), (0, 1)))}
     # Every triangle with points of its own, and a point that belongs to no triangle.
     torn = {"points": np.vstack([points[corners], [[7.0, 7.0]]]), "u": u[:, [*corners, 0]] * 1.0}
@@ -454,7 +457,8 @@ HALVES = [[0, 1, 2], [0, 2, 3]]
 
 
 def test_of_several_fields_of_other_names_the_displacement_has_to_be_named(tmp_path):
-    path, mesh = tmp_path / "several.vtu", meshio.Mesh(np.insert(CORNERS, 2, 0.0, axis=1), [("triangle", HALVES)])
+    path = tmp_path / "several.vtu"
+    mesh = meshio.Mesh(np.insert(CORNERS, 2, 0.0, axis=1), [("triangle", HALVES)])
     mesh.point_data = {"velocity": 0 * mesh.points, "depl": 1 + mesh.points}
     mesh.write(path)
     with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
