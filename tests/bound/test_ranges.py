@@ -144,12 +144,17 @@ def exact_at(formula, places):
 def assert_random_formulas_agree(seed, count, depths=DEPTHS):
     """Ranges of values contain exact values, ranges of slopes bound differences, and NumPy gives the exact values."""
     random_formula, rng = RandomFormula(seed), np.random.default_rng(seed)
+    unprinted = 0
     for number in range(count):
         formula = random_formula(depths[number % len(depths)])
         name = f"formula {number} of seed {seed}: {formula}"
         low, high = np.moveaxis(QUARTERS[rng.integers(len(QUARTERS), size=(3, 8))], 2, 0)
         places = places_in(low, high, rng)
-        values = exact_at(formula, places)
+        try:
+            values = exact_at(formula, places)
+        except TypeError:  # SymPy cannot print a few of its own nested conditions
+            unprinted += 1
+            continue
         found = Boxes(dict(zip(NAMES, zip(low, high, strict=True), strict=True)), NAMES, 1)(own_formula(formula))
         assert (found.values[0] <= values).all(), name
         assert (values <= found.values[1]).all(), name
@@ -164,6 +169,7 @@ def assert_random_formulas_agree(seed, count, depths=DEPTHS):
             except FormulaError:  # NumPy refuses some deeply nested conditions
                 continue
             assert (abs(numerical - values) <= 1e-9).all(), name
+    assert unprinted <= count // 50
 
 
 def test_ranges_contain_the_exact_values_of_random_formulas_also_where_conditions_change():
