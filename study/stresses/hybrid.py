@@ -90,46 +90,54 @@ class Equilibrium:
         self.space = space
         # Tensors at points are stored component by component, because ``act`` is then several times faster.
         self.compliance = np.moveaxis(np.moveaxis(compliance, (-2, -1), (0, 1)).copy(), (0, 1), (-2, -1))
-        try:
-            stiffness = np.linalg.inv(space.gram(compliance))
-        except np.linalg.LinAlgError as error:
-            raise MeshError(_too_thin(space.mesh, compliance)) from error
-        # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
-        # p).
-        R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
-        # Let c be the coefficients of a stress with Div τ = 0. Both matrices return c, followed by its tractions R c.
-        # The first matrix acts on a functional on these stresses, the second one on moments m, which give the
-        # functional Rᵀm.
-        self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
-        self._of_moments = R @ self._of_strains
-        self._tractions = slice(stiffness.shape[-1], None)
-        n = space.degree + 1
+        self.contact = space.edges_on(Kind.CONTACT)
         edges = space.mesh.facets.shape[1]
-        # The moments are numbered edge by edge, on an edge by Bernstein polynomial, and for a polynomial by component.
+        n = space.degree + 1
         self.total = 2 * n * edges
-        self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
-        free = np.ones((edges, 2 * n), dtype=bool)
-        free[space.edges_on(Kind.CLAMPED)] = False
+        # The moments are numbered edge by edge, on an edge by Bernstein polynomial, and for a polynomial by component.
+        moments = np.arange(self.total).reshape(edges, n, 2)
+        self.numbers = moments[space.edges].reshape(space.cells, -1)
         # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
         rollers = space.edges_on(Kind.ROLLER)
-        free[rollers, ::2] = False
-        self.free = np.flatnonzero(free.ravel())
-        self.contact = space.edges_on(Kind.CONTACT)
+        fixed = [moments[space.edges_on(Kind.CLAMPED)].ravel(), moments[rollers, :, 0].ravel()]
+        self.free = np.delete(moments.ravel(), np.concatenate(fixed))
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
-        self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
-        self.N = sps.csr_array(sps.eye_array(len(self.free), format="csr")[self._normal])
-        local = self._of_moments[..., self._tractions]
-        rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
-        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
-        full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
-        S = sps.csc_array(full[self.free][:, self.free])
-        self.S = sps.csc_array((S + S.T) / 2)
+        self._normal = np.searchsorted(self.free, moments[self.contact, :, 0].ravel())
+        # With rollers, the edges have different numbers of unknowns.
+        every = 1 if rollers.size else 2 * n
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
+        points = midpoints[:, self.free[::every] // (2 * n)]
+        N = sps.csr_array(sps.eye_array(len(self.free), format="csr")[self._normal])
         try:
-            # With rollers, the edges have different numbers of unknowns.
-            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers.size else 2 * n] // (2 * n)])
+            self._eliminate_stresses(compliance)
+            self.S = self._matrix_of_moments()
+            self.solve = solver(self.S, N, points)
         except np.linalg.LinAlgError as error:
             raise MeshError(_too_thin(space.mesh, compliance)) from error
+
+    def _eliminate_stresses(self, compliance: Array) -> None:
+        """Compute the matrices that eliminate the stresses with Div τ = 0 on every cell.
+
+        Both matrices return the p coefficients c of a stress with Div τ = 0, followed by its tractions R c. The first
+        matrix acts on a functional on these stresses, the second one on moments m, which give the functional Rᵀm.
+        """
+        stiffness = np.linalg.inv(self.space.gram(compliance))
+        cells, p, _ = stiffness.shape
+        # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
+        # p).
+        R = self.space.tractions.reshape(cells, -1, p)
+        self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
+        self._of_moments = R @ self._of_strains
+        self._tractions = slice(p, None)
+
+    def _matrix_of_moments(self) -> sps.csc_array:
+        """Return the matrix S of the problem for the unknown moments."""
+        of_cells = self._of_moments[..., self._tractions]
+        rows = np.broadcast_to(self.numbers[:, :, None], of_cells.shape)
+        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
+        full = sps.coo_array((of_cells.ravel(), places), shape=(self.total, self.total)).tocsc()
+        S = sps.csc_array(full[self.free][:, self.free])
+        return sps.csc_array((S + S.T) / 2)
 
     def __call__(self, loads: Loads, strain: Tensors) -> EquilibratedStress:
         """Return the stress τ of least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q that balances the loads.
@@ -141,7 +149,7 @@ class Equilibrium:
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, act(self.compliance, values) + strain)
         v, _ = self.solve(g)
-        return self._joined(values, tractions, known, v, v)
+        return self._joined(values, tractions, known, v)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
         """Return the stress τ that balances the loads and is nearest to a given stress in the norm of C⁻¹.
@@ -156,7 +164,8 @@ class Equilibrium:
                 boundary Γ3, (..., edges of Γ3, n), all ≤ 0. The edges have the order of the attribute ``contact``.
 
         Returns:
-            The stress τ, except that its ``values`` are the difference τ − target.
+            The stress τ, except that its ``values`` are the difference τ − target, and its ``moments`` the difference
+            of the Lagrange multipliers and ``normal``.
         """
         values, tractions = self.space.lift(loads.force)
         values -= target
@@ -164,7 +173,7 @@ class Equilibrium:
         shift = np.zeros_like(g)
         shift[..., self._normal] = normal.reshape(*g.shape[:-1], -1)
         v, _ = self.solve(g + shift @ self.S)
-        return self._joined(values, tractions, known, v, v - shift)
+        return self._joined(values, tractions, known, v - shift)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
         """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0.
@@ -173,8 +182,7 @@ class Equilibrium:
         """
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, act(self.compliance, values))
-        v = self.solve.factor(g)
-        return self._joined(values, tractions, known, v, v)
+        return self._joined(values, tractions, known, self.solve.factor(g))
 
     def _condensed(self, loads: Loads, tractions: Array, strain: Tensors) -> tuple[Array, Array]:
         """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
@@ -192,29 +200,29 @@ class Equilibrium:
         joined = _times(self.space.tested(strain), self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
         numbers = self.numbers.ravel()
-        several = of_cells.shape[:-2]
         sums = [np.bincount(numbers, each, self.total) for each in of_cells.reshape(-1, numbers.size)]
-        g = loads.surface.reshape(*several, -1) - np.reshape(sums, (*several, -1))
+        of_edges = np.reshape(sums, loads.surface.shape)
+        g = (loads.surface - of_edges).reshape(*joined.shape[:-2], -1)
         return joined, g[..., self.free]
 
-    def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array, shifted: Array) -> EquilibratedStress:
+    def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array) -> EquilibratedStress:
         """Return the stress of least energy, from the solution of the problem for the moments.
 
         Args:
             values, tractions: a stress that is in equilibrium only inside each cell, as in ``EquilibratedStress``.
             known: the first result of ``_condensed``.
-            v: the moments.
-            shifted: the moments v minus the given moments ``normal``.
+            v: the moments, minus the given moments ``normal`` if there are any.
         """
         # The moments of all edges are the unknown ones, and zeros on Γ1.
-        all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
-        all_shifted[..., self.free] = shifted
+        several = v.shape[:-1]
+        moments = np.zeros((*several, self.total))
         moments[..., self.free] = v
-        corrections = _times(all_shifted[..., self.numbers], self._of_moments) - known
+        corrections = _times(moments[..., self.numbers], self._of_moments) - known
+        of_tractions = corrections[..., self._tractions].reshape(tractions.shape)
         return EquilibratedStress(
             values + self.space.combined(corrections[..., : self._tractions.start]),
-            tractions + corrections[..., self._tractions].reshape(tractions.shape),
-            moments.reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
+            tractions + of_tractions,
+            moments.reshape(*several, -1, self.space.degree + 1, 2),
         )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
