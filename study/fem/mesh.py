@@ -117,7 +117,7 @@ def cell_volumes(mesh: Mesh) -> Array:
         return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
 
 
-def facet_measures(mesh: Mesh, facets: Array) -> Array:
+def facet_measures(mesh: Mesh, facets: Array | slice) -> Array:
     """Return the lengths (2D) or areas (3D) of facets, given by their numbers, (n,) → (n,)."""
     return np.asarray(MappingAffine(mesh).detB[facets] / factorial(mesh.dim() - 1))
 
@@ -140,10 +140,20 @@ def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
     return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
 
 
+def affine_maps(points: Points, cells: Array) -> Array:
+    """Return the matrices F of the affine maps x = F x̂ + b from the reference simplex to cells, (cells, d, d).
+
+    Args:
+        points: the vertices, (d, n).
+        cells: the numbers of the vertices of the cells, (d+1, cells).
+    """
+    corners = points[:, cells]
+    return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
+
+
 def determinants(points: Points, cells: Array) -> Array:
     """Return d! times the signed volumes of cells: vertices (d, n), vertex numbers (d+1, cells) → (cells,)."""
-    corners = points[:, cells]
-    return np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0))
+    return np.linalg.det(affine_maps(points, cells))
 
 
 def with_midpoints(mesh: Mesh) -> sps.csr_array:

@@ -85,9 +85,8 @@ class DividedTriangle:
 
     def __init__(self, degree: int) -> None:
         element = composite(degree)
-        space = element.space.reshape(-1, element.space.shape[-1])
-        size = space.shape[1]
-        of_child = element.tractions.reshape(3, degree + 1, 2, -1) @ space / 2
+        size = element.space.shape[-1]
+        of_child = np.tensordot(element.tractions, element.space, axes=3) / 2
         jumps = np.zeros((3, degree + 1, 2, 4, size))
         outer = np.zeros((3, 2, degree + 1, 2, 4, size))
         for side, traction in enumerate(of_child):
@@ -99,12 +98,12 @@ class DividedTriangle:
                 outer[side, half, :, :, child] = traction
         self.inner = jumps.reshape(-1, 4 * size)
         self.outer = outer.reshape(3, 2, degree + 1, 2, -1)
-        divergence = element.divergence.reshape(-1, space.shape[0]) @ space
+        divergence = np.tensordot(element.divergence, element.space, axes=3).reshape(-1, size)
         self.divergence = np.kron(np.diag([2.0, 2.0, 2.0, -2.0]), divergence)
         barycentric, weights = simplex_rule(2, 2 * degree)
-        at = bernstein(degree, barycentric).T
-        at_points = np.einsum("qa,taJp->tqJp", at, element.space).reshape(-1, 3, size)
-        self.values = np.einsum("ab,pJu->apJbu", np.eye(4), at_points).reshape(-1, 3, 4 * size)
+        at_points = np.einsum("aq,taJp->tqJp", bernstein(degree, barycentric), element.space)
+        values = np.einsum("cd,tqJp->ctqJdp", np.eye(4), at_points)
+        self.values = values.reshape(-1, 3, 4 * size)
         self.weights = np.tile(weights / 24, 12)
 
 

@@ -30,6 +30,7 @@ for plane elasticity, Numer. Math. 45 (1984) 1–22.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import combinations_with_replacement
 from math import factorial, prod
 
 import numpy as np
@@ -38,7 +39,7 @@ from skfem import Mesh, MeshTri
 
 from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis
-from study.fem.mesh import MeshedBody, MeshError
+from study.fem.mesh import MeshedBody, MeshError, affine_maps, facet_measures
 from study.fem.quadrature import PointsAndWeights, gauss, simplex_rule
 
 REFERENCE_CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -60,9 +61,8 @@ def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
         variables: the number of entries of α, which is the number of barycentric coordinates: 2 on an edge, 3 on a
             triangle.
     """
-    if variables == 1:
-        return [(degree,)]
-    return [(first, *rest) for first in range(degree, -1, -1) for rest in indices(degree - first, variables - 1)]
+    choices = combinations_with_replacement(range(variables), degree)
+    return [tuple(choice.count(i) for i in range(variables)) for choice in choices]
 
 
 def bernstein(degree: int, barycentric: Array) -> Array:
@@ -149,7 +149,7 @@ class CompositeElement:
             for vertex, gradient in enumerate(slopes):
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
-                    matrix[third, row, :, third, upper.index(alpha)] += k * np.einsum("Iij,j->iI", basis(2), gradient)
+                    matrix[third, row, :, third, upper.index(alpha)] += k * (basis(2) @ gradient).T
         return matrix
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
@@ -167,11 +167,10 @@ class CompositeElement:
         polynomials = indices(self.degree)
         matrix = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         normal = np.array([along[1], -along[0]])
-        for step in range(self.degree + 1):
+        for row, ends in enumerate(indices(self.degree, 2)):
             alpha = [0, 0, 0]
-            alpha[first] = self.degree - step
-            alpha[second] = step
-            matrix[step, :, third, polynomials.index(tuple(alpha))] = np.einsum("Iij,j->iI", basis(2), normal)
+            alpha[first], alpha[second] = ends
+            matrix[row, :, third, polynomials.index(tuple(alpha))] = (basis(2) @ normal).T
         return matrix
 
     @cached_property
@@ -340,8 +339,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def map(self) -> Array:
         """The matrices F of the affine maps x = F x̂ + b from the reference triangle to the cells, (cells, 2, 2)."""
-        corners = self.mesh.p[:, self.mesh.t]
-        return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
+        return affine_maps(self.mesh.p, self.mesh.t)
 
     @cached_property
     def determinant(self) -> Array:
@@ -363,8 +361,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def lengths(self) -> Array:
         """The lengths of the edges, (edges,)."""
-        ends = self.mesh.p[:, self.mesh.facets]
-        return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
+        return facet_measures(self.mesh, np.s_[:])
 
     @cached_property
     def frames(self) -> Array:
@@ -434,7 +431,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def weights(self) -> Array:
         """The quadrature weights, (cells, Q), with Q points in every cell."""
-        return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
+        return np.multiply.outer(self.volumes, self.shares)
 
     @cached_property
     def _reference(self) -> Array:
@@ -460,7 +457,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def shares(self) -> Array:
         """The quadrature weights of a cell divided by its area, (Q,). They are the same for all cells."""
-        return self.weights[0] / self.volumes[0]
+        return np.tile(self._rule[1], 3) / 3
 
     def tested(self, values: Tensors) -> Array:
         """Return the integrals of a strain ε times each basis function σ with Div σ = 0 on every cell.
@@ -492,9 +489,7 @@ class StressSpace(MeshedBody):
         Axes: cell, side, Bernstein coefficient, component, basis function.
         """
         reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
-        tractions = self._to_edges(
-            np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:]))
-        )
+        tractions = self._to_edges(reference[:, None])
         return np.ascontiguousarray(np.moveaxis(tractions, 0, -1))
 
     @cached_property
@@ -505,11 +500,12 @@ class StressSpace(MeshedBody):
             The transposed matrices of |ê| σ̂ν̂ ↦ σν in the axes of the edges, (cells, 3, 2, 2); and whether the edge
             runs against the side of the cell, (cells, 3).
         """
-        a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
-        turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
+        end_of_side = self.mesh.t[[b for _, b in SIDES]].T
+        turned = self.mesh.facets[0, self.edges] == end_of_side
         # Reflected cells have inward normals on their sides, so the sign of the determinant is included.
         length = self.lengths[self.edges] * np.sign(self.determinant)[:, None]
-        return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
+        onto = self.frames[self.edges] @ self.map[:, None] / length[..., None, None]
+        return onto.swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
         """Transform tractions |ê| σ̂ν̂ on the sides of the reference triangle to tractions σν on the edges.
