@@ -54,8 +54,9 @@ def work_of_body_force(solution: ExactSolution, space: Space, time: float, degre
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
         force = solution.at(rule.points).body_force(time) * rule.weights
-        values = np.einsum("dnq,inq->din", force, barycentric(mesh, rule.cells, rule.points))
-        nodal += space.scatter(mesh.t[:, rule.cells], values)
+        simplices = mesh.t[:, rule.cells]
+        values = np.einsum("dnq,inq->din", force, barycentric(mesh.p, simplices, rule.points))
+        nodal += space.scatter(simplices, values)
     return space.interpolate(nodal)
 
 

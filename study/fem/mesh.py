@@ -128,18 +128,6 @@ def barycentric_gradients(mesh: Mesh) -> Array:
     return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
 
 
-def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
-    """Return barycentric coordinates of q points in each of n cells, (d+1, n, q).
-
-    Args:
-        mesh: the mesh.
-        cells: the numbers of the cells, (n,).
-        points: the points in these cells, (d, n, q).
-    """
-    inner = MappingAffine(mesh, tind=cells).invF(points)
-    return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
-
-
 def affine_maps(points: Points, cells: Array) -> Array:
     """Return the matrices F of the affine maps x = F x̂ + b from the reference simplex to cells, (cells, d, d).
 
@@ -149,6 +137,20 @@ def affine_maps(points: Points, cells: Array) -> Array:
     """
     corners = points[:, cells]
     return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
+
+
+def barycentric(vertices: Points, simplices: Array, points: Points) -> Array:
+    """Return barycentric coordinates of q points in each of n simplices, (d+1, n, q).
+
+    Args:
+        vertices: vertices of a mesh, (d, vertices).
+        simplices: vertex numbers of the simplices, (d+1, n).
+        points: the points, (d, n, q).
+    """
+    inverse = np.linalg.inv(affine_maps(vertices, simplices))
+    away = points - vertices[:, simplices[0], None]
+    inner = np.einsum("nij,jnq->inq", inverse, away)
+    return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
 
 
 def determinants(points: Points, cells: Array) -> Array:

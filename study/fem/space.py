@@ -450,5 +450,5 @@ class Quadratic(Displacements):
             Strains in Mandel form, (3, n, q).
         """
         local = self.coefficients(v)[self.numbers[:, cells]]
-        gradients = self.gradients(barycentric(self.mesh, cells, points), cells)
+        gradients = self.gradients(barycentric(self.mesh.p, self.mesh.t[:, cells], points), cells)
         return mandel(np.einsum("inj,nqik->jknq", local, gradients))

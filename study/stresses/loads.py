@@ -20,6 +20,7 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
+from study.fem.mesh import barycentric
 from study.fem.quadrature import (
     CellRule,
     Line,
@@ -30,7 +31,7 @@ from study.fem.quadrature import (
     sliced_rules,
     strain_matrix,
 )
-from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein, triangle_mass
+from study.stresses.stress_space import StressSpace, alfeld_split, bernstein, triangle_mass
 
 LEAST_FORCE_DEGREE = 4
 """Least degree of the quadrature rule for the body force f_0 on a subtriangle of a cell.
@@ -125,7 +126,7 @@ class ProjectedLoads:
     def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
         self.space = space
         self.data = data
-        self._thirds, self._corners = alfeld_split(space.mesh)
+        self._thirds, self._vertices = alfeld_split(space.mesh)
         self._degree = max(LEAST_FORCE_DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
         self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
@@ -139,11 +140,11 @@ class ProjectedLoads:
     def _block(self, rule: CellRule) -> _Block:
         mesh = self.space.mesh
         degree = self.space.degree
-        # Not ``fem.mesh.barycentric``, because the mesh sorts the vertices of its cells.
-        local = barycentric(self._corners[:, :, rule.cells], rule.points)
+        # The vertices are not ``self._thirds.t``, because the mesh sorts them.
+        in_thirds = barycentric(self._thirds.p, self._vertices[:, rule.cells], rule.points)
         # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
-        cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
-        return _Block(rule, bernstein(degree - 1, local), bernstein(degree, barycentric(cells, rule.points)))
+        in_cells = barycentric(mesh.p, mesh.t[:, rule.cells // 3], rule.points)
+        return _Block(rule, bernstein(degree - 1, in_thirds), bernstein(degree, in_cells))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:

@@ -35,11 +35,11 @@ from math import factorial, prod
 
 import numpy as np
 from scipy.linalg import null_space
-from skfem import Mesh, MeshTri
+from skfem import Mesh
 
 from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis
-from study.fem.mesh import MeshedBody, MeshError, affine_maps, facet_measures
+from study.fem.mesh import MeshedBody, MeshError, affine_maps, facet_measures, simplicial_mesh
 from study.fem.quadrature import PointsAndWeights, gauss, simplex_rule
 
 REFERENCE_CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -272,32 +272,17 @@ def thirds(corners: Points) -> Points:
     return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
 
 
-def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
+def alfeld_split(mesh: Mesh) -> tuple[Mesh, Array]:
     """Divide every cell of a mesh into three subtriangles, each with one side of the cell and the barycentre.
 
     Returns:
-        The mesh of all subtriangles, three consecutive ones for each cell; and the coordinates of their vertices,
-        (2, 3, 3 · cells). Axes: coordinate, vertex, subtriangle.
+        The mesh of all subtriangles, three consecutive ones for each cell, which sorts the vertices of its cells; and
+        the numbers of the vertices of every subtriangle in the order of ``thirds``, (3, 3 · cells).
     """
     vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
     cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
     points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])
-    return MeshTri(points, np.ascontiguousarray(cells)), points[:, cells]
-
-
-def barycentric(corners: Points, x: Points) -> Array:
-    """Return the barycentric coordinates of q points in each of n triangles.
-
-    Args:
-        corners: the vertices of the triangles, (2, 3, n).
-        x: the points, (2, n, q).
-
-    Returns:
-        The barycentric coordinates, (3, n, q).
-    """
-    edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
-    first = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
-    return np.concatenate([first, 1 - first.sum(axis=0, keepdims=True)])
+    return simplicial_mesh(points, cells), cells
 
 
 LEAST_DEGREE = 4

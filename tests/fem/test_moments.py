@@ -90,7 +90,7 @@ def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(rng, degree
     mesh = MeshTri(rng.normal(size=(2, 15)), np.arange(15).reshape(3, 5))
     lines = [Line((1.0, 0.0), 0.2), Line((float(np.cos(angle)), float(np.sin(angle))), -0.1)][: 1 + both]
     points, shares = shared(mesh.p[:, mesh.t], barycentric_gradients(mesh), *simplex_rule(2, degree), lines)
-    local = barycentric(mesh, np.arange(5), points)
+    local = barycentric(mesh.p, mesh.t, points)
     assert local.min() > 0
     assert shares.min() > 0
     # The mean of λ_i λ_j is 1/12, and 1/6 for i = j; as Σ λ_i = 1, they tell the means of all polynomials of degree 2.
