@@ -167,7 +167,7 @@ def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
 
 
 def facet_rule(
-    mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int, divisions: int = 1
+    mesh: Mesh, facets: Array, part: Part, rough: Sequence[float], points: int, divisions: int = 1
 ) -> FacetRule:
     """Return a quadrature rule on facets of one boundary part, exact for polynomials of degree 2 · points − 2.
 

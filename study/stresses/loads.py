@@ -268,13 +268,13 @@ class _Edges:
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
         # The positions at which the part crosses lines where the data are not smooth.
-        places = []
+        crossings = []
         for direction, offset in data.lines:
             slope = np.dot(direction, part.tangent)
-            start = np.dot(direction, part.start)
-            if abs(slope) > PARALLEL_LINE and 0 < (offset - start) / slope < part.measure:
-                places.append(float((offset - start) / slope))
-        crossings = tuple(sorted(places))
+            if abs(slope) > PARALLEL_LINE:
+                s = (offset - np.dot(direction, part.start)) / slope
+                if 0 < s < part.measure:
+                    crossings.append(s)
         points, divisions = (GRADED_POINTS, 1) if crossings else (EDGE_POINTS, EDGE_PARTS)
         rule = facet_rule(space.mesh, edges, part, crossings, points, divisions)
         self.edges = edges
