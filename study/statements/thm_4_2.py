@@ -77,7 +77,7 @@ from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, barycentric, size
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import gauss, rule_on
+from study.fem.quadrature import bernstein, gauss, rule_on
 from study.fem.space import Space, on_cells
 from study.ledger.check import Check, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row
@@ -96,7 +96,7 @@ from study.statements.shared.meshes import ALONG, CELL_POWER
 from study.statements.shared.scope import Scope
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.loads import Projection
-from study.stresses.stress_space import StressSpace, alfeld_split, bernstein
+from study.stresses.stress_space import StressSpace, alfeld_split
 
 
 class Gaps(NamedTuple):

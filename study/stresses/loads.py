@@ -25,13 +25,14 @@ from study.fem.quadrature import (
     CellRule,
     Line,
     amplitudes_of,
+    bernstein,
     cell_rules,
     facet_rule,
     rough_cells,
     sliced_rules,
     strain_matrix,
 )
-from study.stresses.stress_space import StressSpace, alfeld_split, bernstein, triangle_mass
+from study.stresses.stress_space import StressSpace, alfeld_split, triangle_mass
 
 LEAST_FORCE_DEGREE = 4
 """Least degree of the quadrature rule for the body force f_0 on a subtriangle of a cell.
@@ -129,7 +130,7 @@ class ProjectedLoads:
         self._thirds, self._vertices = alfeld_split(space.mesh)
         self._degree = max(LEAST_FORCE_DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
-        self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
+        self._cut = np.any(rough_cells(self._thirds, self._lines, data.points), axis=0)
         self._inverse_mass = np.linalg.inv(triangle_mass(space.degree))
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
 

@@ -37,15 +37,13 @@ from scipy.linalg import null_space
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import bernstein, indices, simplex_rule
 from study.stresses.loads import LeftOut
 from study.stresses.stress_space import (
     REFERENCE_CORNERS,
     SIDES,
     StressSpace,
-    bernstein,
     composite,
-    indices,
     piola,
     thirds,
     triangle_mass,

@@ -30,8 +30,6 @@ for plane elasticity, Numer. Math. 45 (1984) 1–22.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import combinations_with_replacement
-from math import factorial, prod
 
 import numpy as np
 from scipy.linalg import null_space
@@ -40,7 +38,7 @@ from skfem import Mesh
 from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis
 from study.fem.mesh import MeshedBody, MeshError, affine_maps, facet_measures, simplicial_mesh
-from study.fem.quadrature import PointsAndWeights, gauss, simplex_rule
+from study.fem.quadrature import PointsAndWeights, bernstein, gauss, indices, simplex_rule
 
 REFERENCE_CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """Vertices of the reference triangle as columns, (2, 3)."""
@@ -49,38 +47,6 @@ SIDES = ((1, 2), (2, 0), (0, 1))
 
 The vertices of subtriangle i are the two vertices of side i and the barycentre.
 """
-
-
-def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
-    """Return the multi-indices α ≥ 0 with |α| = degree, which number the Bernstein polynomials of this degree.
-
-    They are tuples of integers, in descending lexicographic order.
-
-    Args:
-        degree: the degree.
-        variables: the number of entries of α, which is the number of barycentric coordinates: 2 on an edge, 3 on a
-            triangle.
-    """
-    choices = combinations_with_replacement(range(variables), degree)
-    return [tuple(choice.count(i) for i in range(variables)) for choice in choices]
-
-
-def bernstein(degree: int, barycentric: Array) -> Array:
-    """Return the values of all Bernstein polynomials of a degree at points, in the order of ``indices``.
-
-    Args:
-        degree: the degree of the polynomials.
-        barycentric: barycentric coordinates of the points, (v, ...), with v = 2 on an edge and 3 on a triangle.
-
-    Returns:
-        The values, (polynomials, ...).
-    """
-
-    def polynomial(alpha: tuple[int, ...]) -> Array:
-        powers = (x**a for x, a in zip(barycentric, alpha, strict=True))
-        return factorial(degree) / prod(map(factorial, alpha)) * prod(powers)
-
-    return np.array([polynomial(alpha) for alpha in indices(degree, len(barycentric))])
 
 
 def interval_mass(degree: int, other: int) -> Array:

@@ -16,7 +16,7 @@ from manufactured.law import Linear
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import FAMILIES, barycentric, barycentric_gradients
 from study.fem.naming import resolve
-from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
+from study.fem.quadrature import Line, facet_rule, placed, shared, simplex_rule
 
 POINTS = 200
 
@@ -89,7 +89,8 @@ def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
 def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(rng, degree, angle, both):
     mesh = MeshTri(rng.normal(size=(2, 15)), np.arange(15).reshape(3, 5))
     lines = [Line((1.0, 0.0), 0.2), Line((float(np.cos(angle)), float(np.sin(angle))), -0.1)][: 1 + both]
-    points, shares = shared(mesh.p[:, mesh.t], barycentric_gradients(mesh), *simplex_rule(2, degree), lines)
+    at, weights = simplex_rule(2, degree)
+    points, shares = shared(placed(mesh.p, mesh.t, at), barycentric_gradients(mesh), at, weights, lines)
     local = barycentric(mesh.p, mesh.t, points)
     assert local.min() > 0
     assert shares.min() > 0
