@@ -17,6 +17,7 @@ from typing import ClassVar
 import numpy as np
 import scipy.sparse as sps
 from scipy.spatial import Delaunay
+from scipy.spatial.distance import cdist
 from skfem import Mesh, MeshTet, MeshTri
 from skfem.mapping import MappingAffine
 
@@ -166,8 +167,9 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
     """
     edges = mesh.facets if mesh.dim() == 2 else mesh.edges
     count = mesh.p.shape[1]
-    rows = np.repeat(np.arange(edges.shape[1]), 2)
-    midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
+    halves = np.full(edges.size, 0.5)
+    starts = np.arange(0, edges.size + 1, 2)
+    midpoints = sps.csr_array((halves, edges.T.ravel(), starts), shape=(edges.shape[1], count))
     return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
 
 
@@ -400,27 +402,15 @@ def _images(body: Body) -> Points | None:
 
 def _parallelepiped(body: Body) -> Points | None:
     """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
-    corners = body.corners
-    tolerance = 1e-9 * body.extent
-    first = corners[:, :1]
-    normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
-    normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
-    if len(normals) != 3:
-        return None
-    # The three edges of a parallelepiped at its first corner. Each leads to the only other corner that lies in the
-    # planes of two of the three faces there.
-    off = abs(normals @ (corners - first)) > tolerance
-    ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
-    if any(end.size != 1 for end in ends):
-        return None
-    edges = (corners - first)[:, [int(end[0]) for end in ends]]
-    if np.linalg.det(edges) < 0:
-        edges = edges[:, [1, 0, 2]]
-    images = first + edges @ grid_vertices(1, 3)
-    apart = np.linalg.norm(images[:, :, None] - corners[:, None, :], axis=0)
-    volume = np.linalg.det(edges)
-    fills = apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume
-    return images if fills else None
+    first, *others = body.corners.T
+    # In this order the edges of the unit cube are found as e_1, e_2, e_3.
+    for ends in permutations(reversed(others), 3):
+        edges = np.transpose(ends - first)
+        if abs(np.linalg.det(edges) - body.measure) <= 1e-9 * body.measure:
+            images = first[:, None] + edges @ grid_vertices(1, 3)
+            if cdist(images.T, body.corners.T).min(axis=1).max() <= 1e-9 * body.extent:
+                return images
+    return None
 
 
 def _is_grid_line(images: Points, interface: Part) -> bool:
