@@ -297,11 +297,11 @@ class Loosened(Space):
     """V^h without the condition v = 0 at every second vertex of Γ1."""
 
     @cached_property
-    def free(self) -> Array:
-        fixed = np.zeros(self.count, dtype=bool)
+    def _held(self) -> tuple[Array, Array]:
+        fixed = np.zeros((self.count, self.dim), dtype=bool)
         for part in self.body.of(Kind.CLAMPED):
             fixed[self.vertices(part)[::2]] = True
-        return np.flatnonzero(np.repeat(~fixed, self.dim))
+        return fixed.ravel(), super()._held[1]
 
 
 INSIDE_SHARE = 1e-9

@@ -23,6 +23,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 
 import numpy as np
 import scipy.sparse as sps
@@ -193,14 +194,14 @@ class Displacements(MeshedBody, ABC):
         If a function belongs to two parts with the same normal, it is listed for the first part only. The rows of the
         constraint matrix ``N`` have the same order.
         """
-        held = np.ones((self.count, self.dim), dtype=bool)
-        held.ravel()[self.free] = False
-        found: list[tuple[Part, Array]] = []
+        held = self._held[0].reshape(-1, self.dim)
+        contact: list[tuple[Part, Array]] = []
         for part in self.body.of(Kind.CONTACT):
-            same = [numbers for other, numbers in found if np.allclose(other.normal, part.normal)]
             fixed = np.flatnonzero(held[:, abs(part.normal) > COMPONENT].all(axis=1))
-            found.append((part, np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *same]))))
-        return found
+            listed = [numbers for other, numbers in contact if np.allclose(other.normal, part.normal)]
+            numbers = np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *listed]))
+            contact.append((part, numbers))
+        return contact
 
     @cached_property
     def N(self) -> sps.csr_array:
@@ -218,10 +219,10 @@ class Displacements(MeshedBody, ABC):
         Args:
             on: pairs of a boundary part, whose normal is used, and the numbers of n basis functions, (n,).
         """
-        # Bodies without contact have no array to concatenate, so each list starts with an empty array.
-        normals = [np.empty((0, self.dim)), *(np.tile(part.normal, (len(numbers), 1)) for part, numbers in on)]
-        numbers = np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in on)])
-        return sps.csr_array(self._rows(np.concatenate(normals)[:, None], numbers[:, None])[:, self.free])
+        # Bodies without contact have no normal, so the shape is given.
+        normals = np.array([part.normal for part, numbers in on for _ in numbers]).reshape(-1, 1, self.dim)
+        columns = np.array([number for _, numbers in on for number in numbers], dtype=np.int64)
+        return sps.csr_array(self._rows(normals, columns[:, None])[:, self.free])
 
     def _matrix(self, values: Array, numbers: Array) -> sps.csr_array:
         """Return the matrix of ``_rows`` without stored zeros and without the columns for the clamped boundary Γ1."""
@@ -241,10 +242,11 @@ class Displacements(MeshedBody, ABC):
         """
         # A product with a sparse matrix reads as many indices as values, so 32-bit indices are used where they suffice.
         index = sps.get_index_dtype(maxval=max(values.size, self.dim * self.count))
-        columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape).astype(index)
-        width = values.shape[-2] * values.shape[-1]
-        starts = np.arange(0, values.size + 1, width, dtype=index)
-        return sps.csr_array((values.ravel(), columns.ravel(), starts), shape=(len(starts) - 1, self.dim * self.count))
+        of_numbers = self.dim * numbers[..., None] + np.arange(self.dim)
+        columns = np.broadcast_to(of_numbers, values.shape).astype(index)
+        starts = np.arange(0, values.size + 1, prod(values.shape[-2:]), dtype=index)
+        shape = (len(starts) - 1, self.dim * self.count)
+        return sps.csr_array((values.ravel(), columns.ravel(), starts), shape=shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -408,7 +410,7 @@ class Quadratic(Displacements):
     @cached_property
     def weights(self) -> Array:
         """The quadrature weights |T|/3 at the three points of every cell T, (cells, 3)."""
-        return np.multiply.outer(self.volumes, self.rule[1])
+        return np.outer(self.volumes, self.rule[1])
 
     @cached_property
     def E(self) -> sps.csr_array:
@@ -427,7 +429,8 @@ class Quadratic(Displacements):
         """
         slopes = np.moveaxis(barycentric_gradients(self.mesh)[cells], 1, 0)[:, :, None]
         at = barycentric[..., None]
-        return np.stack([c * (at[a] * slopes[b] + at[b] * slopes[a]) for a, b, c in FACTORS], axis=2)
+        products = [c * (at[a] * slopes[b] + at[b] * slopes[a]) for a, b, c in FACTORS]
+        return np.stack(products, axis=2)
 
     def strains(self, barycentric: Array) -> sps.csr_array:
         """Return the matrix from a displacement to its strain at q points of every cell, (3 · cells · q, dofs).
