@@ -42,7 +42,7 @@ from functools import cached_property
 import numpy as np
 
 from manufactured.tensors import Array
-from study.solve.evolution import ContactStep, SemiDiscrete, norm, norms
+from study.solve.evolution import ContactStep, SemiDiscrete, norm
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
@@ -163,7 +163,7 @@ class EulerBounds:
         viscous = (problem.M @ rates.T).T
         elastic = np.array([problem.elastic(u) for u in states[1:]])
         work = np.sum((self.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
-        speeds = norms(problem, rates)
+        speeds = norm(problem, rates)
         growth = np.exp(self.growth * (problem.T - nodes[:-1] * self.interval))
         root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
         return root + float(np.sum(growth * (self.delays(nodes) + self.kappa * steps**2 * speeds / 2)))
