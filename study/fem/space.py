@@ -101,7 +101,8 @@ class Displacements(MeshedBody, ABC):
                 components = abs(part.normal) > 0.5 if kind is Kind.ROLLER else np.ones(self.dim, dtype=bool)
                 where = np.ix_(numbers, components)
                 fixed[where] = True
-                values[where] = part.prescribed(self.nodes[:, numbers]).T[:, components]
+                prescribed = part.prescribed(self.nodes[:, numbers])
+                values[where] = prescribed[components].T
         return fixed.ravel(), values.ravel()
 
     @property
@@ -154,22 +155,23 @@ class Displacements(MeshedBody, ABC):
 
         Args:
             stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point, (D,
-                cells). For n stresses there is one more axis, the last.
+                cells).
 
         Returns:
-            (dofs,), or (dofs, n) for n stresses.
+            (dofs,).
         """
-        inner = self.weights.ndim
-        return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
+        return self.tested(self.weights * stress)
 
     def tested(self, integrals: Tensors) -> Array:
         """Return the virtual work (σ, ε(φ_i))_Q of a stress σ for every basis function φ_i, (dofs,).
 
         Args:
             integrals: the integrals of the stress σ over the cells, (D, cells), or quadrature weights times σ at the
-                points, (D, cells, points).
+                points, (D, cells, points). For n stresses there is one more axis, the last, and the result is (dofs,
+                n).
         """
-        return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
+        several = integrals.shape[1 + self.weights.ndim :]
+        return self._transposed @ integrals.reshape(-1, *several)
 
     @cached_property
     def _transposed(self) -> sps.csr_array:
@@ -329,10 +331,10 @@ def means(space: Space, factor: Factor) -> Array:
     """
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
-    found = np.empty(len(space.volumes))
+    integrals = np.empty(len(space.volumes))
     for rule in cell_rules(space.mesh, FACTOR_DEGREE, [Line(*step) for step in factor.steps]):
-        found[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1) / space.volumes[rule.cells]
-    return found
+        integrals[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1)
+    return integrals / space.volumes
 
 
 def form(space: Space, tensor: Elasticity) -> sps.csc_array:
@@ -438,7 +440,8 @@ class Quadratic(Displacements):
         Args:
             barycentric: the barycentric coordinates of the points, (3, q).
         """
-        values = np.einsum("Ijk,cqik->Icqij", basis(2), self.gradients(barycentric[:, None]), optimize=True)
+        gradients = self.gradients(barycentric[:, None])
+        values = np.einsum("Ijk,cqik->Icqij", basis(2), gradients, optimize=True)
         return self._matrix(values, self.numbers.T[:, None])
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
@@ -453,5 +456,6 @@ class Quadratic(Displacements):
             Strains in Mandel form, (3, n, q).
         """
         local = self.coefficients(v)[self.numbers[:, cells]]
-        gradients = self.gradients(barycentric(self.mesh.p, self.mesh.t[:, cells], points), cells)
+        at = barycentric(self.mesh.p, self.mesh.t[:, cells], points)
+        gradients = self.gradients(at, cells)
         return mandel(np.einsum("inj,nqik->jknq", local, gradients))
