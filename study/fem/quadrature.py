@@ -116,7 +116,9 @@ def graded(
     xi, w = gauss(count)
     near = np.where(to_right, right, left)
     far = np.where(to_right, left, right)
-    return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
+    length = far - near
+    slopes = power * xi ** (power - 1.0)
+    return near + length * xi**power, abs(length) * slopes * w
 
 
 def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
@@ -126,8 +128,10 @@ def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
     rule of degree 4 has negative weights, and from degree 5 on its rules are exact to one degree less than requested (a
     test verifies this); a rule of a higher degree is used instead.
     """
-    reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
-    return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
+    rule = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
+    points, weights = rule
+    first = 1 - points.sum(axis=0)
+    return np.vstack([first, points]), weights / weights.sum()
 
 
 def duffy(along: int, across: int, grading: int = 1) -> PointsAndWeights:
@@ -224,12 +228,14 @@ def facet_rule(
         barycentric, weights = duffy(points, points)
         s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
         shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
-        return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
-    (ends,), _ = part.coordinates(mesh.p[:, mesh.facets[:, facets]])
+        return FacetRule(facets, s, shapes, np.outer(facet_measures(mesh, facets), weights))
+    corners = mesh.p[:, mesh.facets[:, facets]]
+    (ends,), _ = part.coordinates(corners)
     low = ends.min(axis=0)
     high = ends.max(axis=0)
     cuts = [np.clip(c, low, high) for c in rough]
-    nodes = np.sort([*np.linspace(low, high, divisions + 1), *cuts], axis=0).T[..., None]
+    nodes = np.sort([*np.linspace(low, high, divisions + 1), *cuts], axis=0)
+    nodes = nodes.T[..., None]
     # Whether a node is one of the coordinates ``rough``, up to round-off.
     tolerance = VERTEX_ON_LINE * (high - low)
     is_rough = (abs(nodes - rough) <= tolerance[:, None, None]).any(axis=2, keepdims=True)
@@ -240,7 +246,8 @@ def facet_rule(
     s = s.reshape(len(facets), -1)
     start, end = ends[..., None]
     first = (end - s) / (end - start)
-    return FacetRule(facets, s[None], np.stack([first, 1 - first]), weights.reshape(s.shape))
+    shapes = np.stack([first, 1 - first])
+    return FacetRule(facets, s[None], shapes, weights.reshape(s.shape))
 
 
 def rule_on(space: MeshedBody, part: Part, points: int, rough: tuple[float, ...] = ()) -> FacetRule:
@@ -320,7 +327,8 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> A
     several = np.flatnonzero(meets.sum(axis=0) > 1)
     if several.size:
         cell = several[0]
-        place = ", ".join(f"{x:.3g}" for x in mesh.p[:, mesh.t[:, cell]].mean(axis=1))
+        centre = mesh.p[:, mesh.t[:, cell]].mean(axis=1)
+        place = ", ".join(f"{x:.3g}" for x in centre)
         first, second, *_ = np.flatnonzero(meets[:, cell])
         raise MeshError(
             f"the cell around ({place}) meets two lines or points at which the solution is not smooth, "
@@ -366,9 +374,11 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
     simplices = mesh.t[:, cells]
     # The point becomes the first vertex of every cell.
     first = (simplices == _vertex_at(mesh, point)).argmax(axis=0)
-    simplices = np.take_along_axis(simplices, (first + np.arange(3)[:, None]) % 3, axis=0)
+    order = (first + np.arange(3)[:, None]) % 3
+    simplices = np.take_along_axis(simplices, order, axis=0)
     barycentric, weights = duffy(GRADING * (degree + 2) // 2, degree + 8, GRADING)
-    return CellRule(cells, placed(mesh.p, simplices, barycentric), cell_volumes(mesh)[cells, None] * weights)
+    points = placed(mesh.p, simplices, barycentric)
+    return CellRule(cells, points, np.outer(cell_volumes(mesh)[cells], weights))
 
 
 def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
@@ -450,7 +460,8 @@ def _slab_rule(
     def chord(low: int, high: int) -> Array:
         """Return the coordinates r of the points with s = x on the edge between two vertices, (n, k, p)."""
         length = s[high] - s[low]
-        slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
+        change = r[high] - r[low]
+        slope = np.divide(change, length, out=np.zeros_like(length), where=length > 0)
         return np.asarray(r[low] + slope * (x - s[low]))
 
     long = chord(0, 2)
@@ -459,11 +470,12 @@ def _slab_rule(
     short = np.where(x[..., -1:] <= s[1], chord(0, 1), chord(1, 2))
     width = short - long
     eta, we = gauss(degree // 2 + 2)
-    along = (long[..., None] + width[..., None] * eta).reshape(len(cells), -1)
-    distances = np.repeat(x, len(eta)).reshape(along.shape)
+    along = long[..., None] + width[..., None] * eta
+    distances = np.broadcast_to(x[..., None], along.shape)
+    coordinates = np.stack([line.offset + distances, along]).reshape(2, len(cells), -1)
+    axes = np.transpose([line.direction, line.tangent])
     weights = (weights * abs(width))[..., None] * we
-    points = np.multiply.outer(line.direction, distances + line.offset) + np.multiply.outer(line.tangent, along)
-    return CellRule(cells, points, weights.reshape(along.shape))
+    return CellRule(cells, mapped(axes, coordinates), weights.reshape(len(cells), -1))
 
 
 # Quadrature rules that together cover every cell once. Many of their points share their coordinate along a contact
@@ -543,7 +555,8 @@ def shared(
         slopes = gradients @ move
         # The spacing δ is chosen such that no barycentric coordinate λ_i changes by more than the limit: moving a point
         # by δ/2 along the normal m of the line changes λ_i by half of δ ∇λ_i·m.
-        spacing = np.exp2(np.floor(np.log2(2 * limit / abs(slopes).max(axis=1)) + TIE))[:, None]
+        largest = 2 * limit / abs(slopes).max(axis=1)
+        spacing = np.exp2(np.floor(np.log2(largest) + TIE))[:, None]
         distances = line.distance(points)
         shift = np.rint(distances / spacing) * spacing - distances
         points = points + np.multiply.outer(move, shift)
@@ -564,7 +577,8 @@ def _correction(barycentric: Array, weights: Array) -> Array:
     shapes = np.moveaxis(bernstein(degree, barycentric), 1, 0)
     # All Bernstein polynomials have the same mean value on a triangle, and their sum is 1.
     missing = 1 / shapes.shape[1] - shapes @ weights
-    multipliers = np.linalg.solve((shapes * weights) @ shapes.swapaxes(1, 2), missing[..., None])
+    gram = (shapes * weights) @ shapes.swapaxes(1, 2)
+    multipliers = np.linalg.solve(gram, missing[..., None])
     return weights * (multipliers.swapaxes(1, 2) @ shapes)[:, 0]
 
 
@@ -681,7 +695,8 @@ class QuadraturePoints:
         Args:
             weights: the weights of the points, (n,), for example ``self.weights`` times a material factor.
         """
-        return sps.csr_array((weights, (self.sums, np.arange(len(weights)))), shape=(self.count, len(weights)))
+        points = np.arange(len(weights))
+        return sps.csr_array((weights, (self.sums, points)), shape=(self.count, len(weights)))
 
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
@@ -715,7 +730,7 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
     """
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
-    columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
+    columns = [sps.kron(E[:, None], shape) for E, shape in zip(tensors, shapes, strict=True)]
     return sps.csr_array(sps.hstack(columns))
 
 
@@ -738,7 +753,8 @@ class StrainSums:
         width = sum(len(part.tensors) * part.count for part in modes)
         for shape in shapes_at_points(modes, count):
             sums = add @ shape
-            blocks.append(sps.csr_array((sums.data, sums.indices + first, sums.indptr), shape=(points.count, width)))
+            shifted = sums.data, sums.indices + first, sums.indptr
+            blocks.append(sps.csr_array(shifted, shape=(points.count, width)))
             first += shape.shape[1]
         # ``block_diag`` would need twice the memory.
         self._matrix = sps.vstack(blocks, format="csr")
@@ -808,7 +824,9 @@ class StrainEnergy:
         strain = strain_matrix(modes, len(weights))
         form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
         self._strain: sps.csr_array | None = None
-        if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
+        of_form = sum(len(part.tensors) ** 2 * part.count for part in modes)
+        of_strain = sum(part.shapes.size for part in modes)
+        if of_form > MANY * of_strain:
             self._strain = strain
             self._form = form
         else:

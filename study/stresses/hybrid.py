@@ -89,7 +89,8 @@ class Equilibrium:
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space = space
         # Tensors at points are stored component by component, because ``act`` is then several times faster.
-        self.compliance = np.moveaxis(np.moveaxis(compliance, (-2, -1), (0, 1)).copy(), (0, 1), (-2, -1))
+        by_component = np.moveaxis(compliance, (-2, -1), (0, 1)).copy()
+        self.compliance = np.moveaxis(by_component, (0, 1), (-2, -1))
         self.contact = space.edges_on(Kind.CONTACT)
         edges = space.mesh.facets.shape[1]
         n = space.degree + 1
@@ -240,9 +241,11 @@ class Equilibrium:
 def _too_thin(mesh: Mesh, compliance: Array) -> str:
     """Return the message for a mesh on which stresses cannot be computed, because of thin triangles or a stiff law."""
     corners = mesh.p[:, mesh.t]
-    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
-    ratios = lengths**2 / (2 * cell_volumes(mesh))
-    x = ", ".join(f"{c:.4g}" for c in corners[:, :, ratios.argmax()].mean(axis=1))
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=0).max(axis=0)
+    ratios = longest**2 / (2 * cell_volumes(mesh))
+    centre = corners[:, :, ratios.argmax()].mean(axis=1)
+    x = ", ".join(f"{c:.4g}" for c in centre)
     return (
         "the stresses on this mesh cannot be computed in double precision: the triangle near "
         f"x = ({x}) is {ratios.max():.3g} times as long as high, and the law is {np.linalg.cond(compliance).max():.3g} "
@@ -266,7 +269,8 @@ def act(C: Array, strain: Tensors) -> Tensors:
 def _times(vectors: Array, matrices: Array) -> Array:
     """Multiply a row vector by a matrix on every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
     rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
-    return np.moveaxis(rows @ matrices, 1, 0).reshape(*vectors.shape[:-1], -1)
+    products = np.moveaxis(rows @ matrices, 1, 0)
+    return products.reshape(*vectors.shape[:-1], -1)
 
 
 class EquilibriumError(ValueError):
@@ -303,7 +307,9 @@ def tensor_at(C: Linear, x: Array) -> Array:
     """
     if C.factor is UNIFORM:
         return C.matrix
-    return np.moveaxis(np.multiply.outer(C.matrix, C.factor(x)), (0, 1), (-2, -1))
+    # Component by component in memory, for ``act``.
+    by_component = np.multiply.outer(C.matrix, C.factor(x))
+    return np.moveaxis(by_component, (0, 1), (-2, -1))
 
 
 @dataclass(frozen=True, eq=False)

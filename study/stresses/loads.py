@@ -186,8 +186,9 @@ class ProjectedLoads:
         of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
         low_order = (of_cells * (self._inverse_mass @ of_cells)).sum(axis=(1, 2)) / space.volumes
         high_order = squares.reshape(-1, 3).sum(axis=1) - low_order
-        low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, high_order))
-        return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
+        low, high = np.sqrt(np.maximum([low_order, high_order], 0.0))
+        loads = Loads(force.reshape(space.cells, 3, -1, 2), surface)
+        return Snapshot(loads, LeftOut(low, high, on_edges))
 
 
 class Projection:
@@ -254,12 +255,15 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
-    rates, strains = (amplitudes_of(part) for part in (modes.viscous, modes.elastic))
-    viscous, elastic = (strain_matrix(part, x[0].size) for part in (modes.viscous, modes.elastic))
+    rates = amplitudes_of(modes.viscous)
+    strains = amplitudes_of(modes.elastic)
+    viscous = strain_matrix(modes.viscous, x[0].size)
+    elastic = strain_matrix(modes.elastic, x[0].size)
 
     def force(time: float) -> Vectors:
         now = np.array([time])
-        return (viscous @ rates(now, True) + elastic @ strains(now, False)).reshape(x.shape)
+        total = viscous @ rates(now, True) + elastic @ strains(now, False)
+        return total.reshape(x.shape)
 
     return force
 

@@ -52,7 +52,7 @@ from study.stresses.stress_space import (
 
 CELLS_AT_A_TIME = 256
 """Number of cells for which ``cell_constants`` are computed at a time, which limits the memory."""
-CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
+CHILDREN = np.stack([*((np.eye(3) + vertex) / 2 for vertex in np.eye(3)), (1 - np.eye(3)) / 2])
 """The vertices of the four similar triangles of half the size into which a triangle is divided, (4, 3 vertices, 3).
 
 They are given in barycentric coordinates of the triangle.
@@ -177,11 +177,12 @@ class BalancingStresses:
                 and 1/|e| for tractions on a side of length |e|.
         """
         push = piola(F)
-        metric = push.swapaxes(1, 2) @ compliance @ push * abs(np.linalg.det(F))[:, None, None]
+        areas = abs(np.linalg.det(F))[:, None, None]
+        metric = areas * (push.swapaxes(1, 2) @ compliance @ push)
         energy = np.tensordot(metric, self.products, axes=2)
-        p = self.p
-        coupling = np.linalg.solve(energy[:, :p, :p], energy[:, :p, p:])
-        least = energy[:, p:, p:] - energy[:, p:, :p] @ coupling
+        free, lifts = np.split(energy, [self.p], axis=1)
+        coupling = np.linalg.solve(free[..., : self.p], free[..., self.p :])
+        least = lifts[..., self.p :] - lifts[..., : self.p] @ coupling
         of_loads = np.einsum("c,vw,cab->cvawb", scale, self.gram, F.swapaxes(1, 2) @ F)
         inverse = np.linalg.inv(np.linalg.cholesky(of_loads.reshape(least.shape)))
         ratios = np.linalg.eigvalsh(inverse @ least @ inverse.swapaxes(1, 2))
@@ -226,9 +227,10 @@ def balancing_on_side(side: int) -> BalancingStresses:
     linear = raised[[0, 1, 1, 2]]
     rest = null_space(linear.T @ mass, rcond=DEPENDENT)
     loads = np.kron(np.eye(2), raised) @ rest
+    gram = rest.T @ mass @ rest
     # |ê| t̂ on a half is the traction t̂ times half of the length of the side, so the traction on the side is twice |ê|
     # t̂, and squares are multiplied by 4.
-    return BalancingStresses.of(divided, zero, divided.outer[side], loads, 4 * (rest.T @ mass @ rest))
+    return BalancingStresses.of(divided, zero, divided.outer[side], loads, 4 * gram)
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
@@ -246,19 +248,22 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
     size = np.sqrt(abs(np.linalg.det(F)))
     # The vertices are sorted by the lengths of the opposite sides.
     corners = F @ REFERENCE_CORNERS
-    opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
+    sides = np.roll(corners, 1, axis=2) - np.roll(corners, -1, axis=2)
+    opposite = np.linalg.norm(sides, axis=1)
     order = np.argsort(opposite, axis=1, kind="stable")
     corners = np.take_along_axis(corners, order[:, None], axis=2)
-    maps = (corners[:, :, 1:] - corners[:, :, :1]) / size[:, None, None]
+    maps = corners[:, :, 1:] - corners[:, :, :1]
     # The sign is chosen such that the largest entry is positive, which removes half turns.
-    entries = maps.reshape(-1, 4)
+    entries = maps.reshape(-1, 4) / size[:, None]
     largest = abs(entries).argmax(axis=1)
     signs = np.sign(np.take_along_axis(entries, largest[:, None], axis=1))
     shapes, shape_of_cell = np.unique(np.round(entries * signs, 12), axis=0, return_inverse=True)
     stresses = balancing_in_cell(q)
     constants = []
-    for block in np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // CELLS_AT_A_TIME)):
-        constants.append(stresses.constants(block, compliance, 1 / abs(np.linalg.det(block))))
+    count = max(1, len(shapes) // CELLS_AT_A_TIME)
+    for block in np.array_split(shapes.reshape(-1, 2, 2), count):
+        scale = 1 / abs(np.linalg.det(block))
+        constants.append(stresses.constants(block, compliance, scale))
     return np.sqrt(4 / 3) * np.concatenate(constants)[shape_of_cell] * size
 
 

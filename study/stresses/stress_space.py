@@ -59,8 +59,8 @@ def interval_mass(degree: int, other: int) -> Array:
         The integrals, (degree + 1, other + 1).
     """
     x, weights = gauss((degree + other) // 2 + 1)
-    first, second = (bernstein(k, np.array([1 - x, x])) for k in (degree, other))
-    return (first * weights) @ second.T
+    barycentric = np.array([1 - x, x])
+    return (bernstein(degree, barycentric) * weights) @ bernstein(other, barycentric).T
 
 
 def triangle_mass(degree: int) -> Array:
@@ -146,12 +146,13 @@ class CompositeElement:
         The stresses of the element are the ones without jumps. The shape is (equations; 3, polynomials, 3). Row axis:
         all coefficients of the jumps, 3 (k + 1) · 2. Column axes: subtriangle, Bernstein polynomial, Mandel component.
         """
-        rows = []
-        for vertex in range(3):
-            along = REFERENCE_CORNERS[:, vertex] - REFERENCE_CORNERS.mean(axis=1)
-            beside = ((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)
-            rows.append(sum(sign * self._on_edge(i, SIDES[i].index(vertex), 2, along) for i, sign in beside))
-        return np.concatenate(rows).reshape(-1, 3, self.polynomials, 3)
+        jumps = []
+        for vertex, corner in enumerate(REFERENCE_CORNERS.T):
+            along = corner - REFERENCE_CORNERS.mean(axis=1)
+            sides = (vertex + 1) % 3, (vertex + 2) % 3
+            left, right = (self._on_edge(i, SIDES[i].index(vertex), 2, along) for i in sides)
+            jumps.append(left - right)
+        return np.concatenate(jumps).reshape(-1, 3, self.polynomials, 3)
 
     @cached_property
     def tractions(self) -> Array:
@@ -161,12 +162,11 @@ class CompositeElement:
         polynomials, 3). Row axes: side, Bernstein coefficient, traction component. Column axes: subtriangle, Bernstein
         polynomial, Mandel component.
         """
-        return np.array(
-            [
-                self._on_edge(i, 0, 1, REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a])
-                for i, (a, b) in enumerate(SIDES)
-            ]
-        )
+        tractions = []
+        for side, (a, b) in enumerate(SIDES):
+            along = REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a]
+            tractions.append(self._on_edge(side, 0, 1, along))
+        return np.array(tractions)
 
     @cached_property
     def space(self) -> Array:
@@ -184,11 +184,13 @@ class CompositeElement:
         The shape is (3, polynomials, 3; dimension). Row axes: subtriangle, Bernstein polynomial, Mandel component.
         Column axis: number of the basis stress.
         """
-        return self._without(np.concatenate([self.jumps, self.divergence.reshape(-1, *self.jumps.shape[1:])]))
+        divergence = self.divergence.reshape(-1, *self.jumps.shape[1:])
+        return self._without(np.concatenate([self.jumps, divergence]))
 
     def _without(self, defects: Array) -> Array:
         """Return a basis of the stresses for which all given defects, (defects; 3, polynomials, 3), are zero."""
-        return null_space(defects.reshape(len(defects), -1)).reshape(3, self.polynomials, 3, -1)
+        stresses = null_space(defects.reshape(len(defects), -1))
+        return stresses.reshape(*defects.shape[1:], -1)
 
     @cached_property
     def lift(self) -> Array:
@@ -198,9 +200,9 @@ class CompositeElement:
         Bernstein polynomial of degree k, Mandel component. Column axes: subtriangle, Bernstein polynomial of degree k −
         1, vector component.
         """
-        space = self.space.reshape(-1, self.space.shape[-1])
-        inverse = space @ np.linalg.pinv(self.divergence.reshape(-1, len(space)) @ space)
-        return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
+        divergence = np.tensordot(self.divergence, self.space, axes=3)
+        inverse = np.linalg.pinv(divergence.reshape(-1, divergence.shape[-1]))
+        return np.tensordot(self.space, inverse.reshape(-1, *divergence.shape[:3]), axes=1)
 
 
 @lru_cache
@@ -224,7 +226,8 @@ def piola(F: Array) -> Array:
         F: the matrices of the affine maps from the reference triangle to the cells.
     """
     E = basis(2)
-    pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / np.linalg.det(F)[:, None, None, None]
+    determinants = np.linalg.det(F)[:, None, None, None]
+    pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / determinants
     return np.einsum("Iil,cJil->cIJ", E, pushed)
 
 
@@ -234,8 +237,9 @@ def thirds(corners: Points) -> Points:
     The shape is (2, 3, ...) → (2, 3, 3, ...). Axes of the argument: coordinate, vertex. Axes of the result: coordinate,
     vertex, subtriangle.
     """
-    centre = corners.mean(axis=1)
-    return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
+    centre = corners.mean(axis=1, keepdims=True)
+    vertices = np.concatenate([corners, centre], axis=1)
+    return np.stack([vertices[:, [*side, 3]] for side in SIDES], axis=2)
 
 
 def alfeld_split(mesh: Mesh) -> tuple[Mesh, Array]:
@@ -245,10 +249,11 @@ def alfeld_split(mesh: Mesh) -> tuple[Mesh, Array]:
         The mesh of all subtriangles, three consecutive ones for each cell, which sorts the vertices of its cells; and
         the numbers of the vertices of every subtriangle in the order of ``thirds``, (3, 3 · cells).
     """
-    vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
-    cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
-    points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])
-    return simplicial_mesh(points, cells), cells
+    centres = mesh.p[:, mesh.t].mean(axis=1)
+    numbers = mesh.p.shape[1] + np.arange(mesh.t.shape[1])
+    vertices = np.vstack([mesh.t, numbers])
+    cells = np.stack([vertices[[*side, 3]] for side in SIDES], axis=2).reshape(3, -1)
+    return simplicial_mesh(np.hstack([mesh.p, centres]), cells), cells
 
 
 LEAST_DEGREE = 4
@@ -321,7 +326,7 @@ class StressSpace(MeshedBody):
         They are the normal and the tangent on the contact boundary and on rollers, and the Cartesian axes on all other
         edges.
         """
-        axes = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
+        axes = np.tile(np.eye(2), (len(self.lengths), 1, 1))
         for part, edges in (*self.on(Kind.CONTACT), *self.on(Kind.ROLLER)):
             axes[edges] = np.array([part.normal, part.tangent])
         return axes
@@ -366,7 +371,7 @@ class StressSpace(MeshedBody):
         The shape is (Q, 3, polynomials). Axes: quadrature point, subtriangle, Bernstein polynomial.
         """
         at = bernstein(self.degree, self._rule[0]).T
-        return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
+        return np.kron(np.eye(3), at).reshape(-1, 3, self.element.polynomials)
 
     @cached_property
     def points(self) -> Points:
@@ -419,8 +424,10 @@ class StressSpace(MeshedBody):
         Returns:
             The integrals ∫_T σ·ε for the p basis functions σ on every cell T, (..., cells, p).
         """
-        pulled = (self.volumes[:, None, None] * self._piola.swapaxes(1, 2)) @ np.moveaxis(values, 0, -2)
-        return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
+        onto_reference = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
+        pulled = onto_reference @ np.moveaxis(values, 0, -2)
+        weighted = np.tile(self.shares, 3)[:, None] * self._reference
+        return pulled.reshape(*pulled.shape[:-2], -1) @ weighted
 
     def combined(self, coefficients: Array) -> Tensors:
         """Return stresses with Div σ = 0 at the quadrature points, from their coefficients in the basis.
@@ -431,7 +438,8 @@ class StressSpace(MeshedBody):
 
     def _pushed(self, reference: Array) -> Tensors:
         """Transform stresses from the reference triangle to the cells: (..., cells, 3 · Q) → (3, ..., cells, Q)."""
-        return np.moveaxis(self._piola @ reference.reshape(*reference.shape[:-1], 3, -1), -2, 0)
+        components = reference.reshape(*reference.shape[:-1], 3, -1)
+        return np.moveaxis(self._piola @ components, -2, 0)
 
     @cached_property
     def tractions(self) -> Array:
@@ -439,8 +447,8 @@ class StressSpace(MeshedBody):
 
         Axes: cell, side, Bernstein coefficient, component, basis function.
         """
-        reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
-        tractions = self._to_edges(reference[:, None])
+        on_reference = np.tensordot(self.element.tractions, self.element.divergence_free, axes=3)
+        tractions = self._to_edges(np.moveaxis(on_reference, -1, 0)[:, None])
         return np.ascontiguousarray(np.moveaxis(tractions, 0, -1))
 
     @cached_property
@@ -499,9 +507,10 @@ class StressSpace(MeshedBody):
         """
         values, tractions = self._lifting
         several = coefficients.shape[:-3]
-        back = (coefficients.reshape(*several, -1, 2) @ self._pulled).reshape(*several, -1)
-        of_sides = (back @ tractions).reshape(*several, 3, -1, 2)
-        return self._pushed(back @ values), self._to_edges(of_sides)
+        divergence = coefficients.reshape(*several, -1, 2) @ self._pulled
+        divergence = divergence.reshape(*several, -1)
+        on_sides = (divergence @ tractions).reshape(*several, 3, -1, 2)
+        return self._pushed(divergence @ values), self._to_edges(on_sides)
 
     @cached_property
     def _pulled(self) -> Array:
@@ -519,8 +528,8 @@ class StressSpace(MeshedBody):
             of the tractions: side (3), Bernstein polynomial (n), component (2).
         """
         lift = self.element.lift
-        tractions = self.element.tractions
-        rows = int(np.prod(lift.shape[3:]))
-        values = np.einsum("qta,taJubi->ubiJq", self._values, lift)
-        on_sides = np.tensordot(lift, tractions, axes=((0, 1, 2), (3, 4, 5)))
-        return values.reshape(rows, -1), on_sides.reshape(rows, -1)
+        lift = lift.reshape(*lift.shape[:3], -1)
+        values = np.einsum("qta,taJr->rJq", self._values, lift)
+        on_sides = np.tensordot(self.element.tractions, lift, axes=3)
+        rows = len(values)
+        return values.reshape(rows, -1), on_sides.reshape(-1, rows).T
