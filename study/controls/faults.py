@@ -487,9 +487,9 @@ def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
 
     ``size`` is not used.
     """
-    parts = [part for part, _ in setup.space.contact]
-    following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
-    N = components(setup.space, lambda part: following[id(part)])
+    parts, numbers = zip(*setup.space.contact, strict=True)
+    following = [*parts[1:], parts[0]]
+    N = setup.space.normal_components([*zip(following, numbers, strict=True)])
     return solving(setup, N=N) if len(parts) > 1 else None
 
 

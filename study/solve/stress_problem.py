@@ -280,8 +280,8 @@ class Programme:
         dofs = self.dofs
         potential = self.potential
         # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
-        size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
-        unit = size or 1.0
+        of_strain = np.linalg.norm(self.root * old) / self.compliance
+        unit = float(np.linalg.norm(load) + of_strain) or 1.0
         # The linear term of the potential is the released strain, followed by (r, 0) for the entries (ρ, z) of y.
         released = potential.released(old)
         rest = np.zeros((potential.cone, cells))
@@ -304,7 +304,7 @@ class Programme:
         y = x.reshape(cells, -1).T / self.root
         # The duality gap is the sum of products of slacks and multipliers. They lie in dual cones, so no term is
         # negative, and no digits cancel.
-        gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
+        gap = unit**2 * self.compliance * np.dot(solution.s, solution.z)
         strain = released + _act(potential.compliance, y[: len(old)])
         return StressState(time, potential.stress @ y, strain, u, multipliers, gap)
 

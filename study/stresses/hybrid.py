@@ -100,8 +100,9 @@ class Equilibrium:
         self.numbers = moments[space.edges].reshape(space.cells, -1)
         # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
         rollers = space.edges_on(Kind.ROLLER)
-        fixed = [moments[space.edges_on(Kind.CLAMPED)].ravel(), moments[rollers, :, 0].ravel()]
-        self.free = np.delete(moments.ravel(), np.concatenate(fixed))
+        clamped = space.edges_on(Kind.CLAMPED)
+        fixed = np.append(moments[clamped], moments[rollers, :, 0])
+        self.free = np.delete(moments, fixed)
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
         self._normal = np.searchsorted(self.free, moments[self.contact, :, 0].ravel())
         # With rollers, the edges have different numbers of unknowns.
@@ -136,7 +137,7 @@ class Equilibrium:
         of_cells = self._of_moments[..., self._tractions]
         rows = np.broadcast_to(self.numbers[:, :, None], of_cells.shape)
         places = rows.ravel(), rows.swapaxes(1, 2).ravel()
-        full = sps.coo_array((of_cells.ravel(), places), shape=(self.total, self.total)).tocsc()
+        full = sps.csc_array((of_cells.ravel(), places), shape=(self.total, self.total))
         S = sps.csc_array(full[self.free][:, self.free])
         return sps.csc_array((S + S.T) / 2)
 
@@ -172,7 +173,8 @@ class Equilibrium:
         values -= target
         known, g = self._condensed(loads, tractions, act(self.compliance, values))
         shift = np.zeros_like(g)
-        shift[..., self._normal] = normal.reshape(*g.shape[:-1], -1)
+        several = g.shape[:-1]
+        shift[..., self._normal] = normal.reshape(*several, -1)
         v, _ = self.solve(g + shift @ self.S)
         return self._joined(values, tractions, known, v - shift)
 
@@ -199,11 +201,12 @@ class Equilibrium:
             6 n). The second is the right-hand side of the problem for the moments, (..., unknown moments).
         """
         joined = _times(self.space.tested(strain), self._of_strains)
-        of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
+        *several, cells, _ = joined.shape
+        of_cells = tractions.reshape(*several, cells, -1) - joined[..., self._tractions]
         numbers = self.numbers.ravel()
         sums = [np.bincount(numbers, each, self.total) for each in of_cells.reshape(-1, numbers.size)]
         of_edges = np.reshape(sums, loads.surface.shape)
-        g = (loads.surface - of_edges).reshape(*joined.shape[:-2], -1)
+        g = (loads.surface - of_edges).reshape(*several, -1)
         return joined, g[..., self.free]
 
     def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array) -> EquilibratedStress:
@@ -268,9 +271,10 @@ def act(C: Array, strain: Tensors) -> Tensors:
 
 def _times(vectors: Array, matrices: Array) -> Array:
     """Multiply a row vector by a matrix on every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
-    rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
+    *several, cells, p = vectors.shape
+    rows = np.moveaxis(vectors.reshape(-1, cells, p), 0, 1)
     products = np.moveaxis(rows @ matrices, 1, 0)
-    return products.reshape(*vectors.shape[:-1], -1)
+    return products.reshape(*several, cells, -1)
 
 
 class EquilibriumError(ValueError):

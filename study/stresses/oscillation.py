@@ -326,14 +326,14 @@ class Oscillation:
     """
 
     def __init__(self, space: StressSpace, compliance: Array, low: float = 1.0) -> None:
-        root = np.sqrt(low)
-        self._cells = [cell_constants(space.map, compliance, q) / root for q in (space.degree - 1, space.degree)]
-        self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
+        # With the factor α ≥ ``low`` the inverse viscosity is at most the given one, divided by ``low``.
+        compliance = compliance / low
+        self._low, self._high = (cell_constants(space.map, compliance, space.degree + i) for i in (-1, 0))
+        self._sides = loaded_sides(space, compliance)
 
     def __call__(self, left_out: LeftOut) -> Array:
         """Return the oscillation η_T of every cell, (cells,), from norms of the part of the loads that P leaves out."""
-        low, high = self._cells
-        total = low * left_out.low_order + high * left_out.high_order
+        total = self._low * left_out.low_order + self._high * left_out.high_order
         for cells, edges, constants in self._sides:
             total[cells] += constants * left_out.on_edges[edges]
         return total

@@ -111,11 +111,12 @@ class CompositeElement:
         upper = indices(k)
         matrix = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(REFERENCE_CORNERS), 2, 0)):
-            slopes = np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]
-            for vertex, gradient in enumerate(slopes):
+            inverse = np.linalg.inv(np.vstack([np.ones(3), vertices]))
+            for vertex, gradient in enumerate(inverse[:, 1:]):
+                of_tensors = k * (basis(2) @ gradient).T
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
-                    matrix[third, row, :, third, upper.index(alpha)] += k * (basis(2) @ gradient).T
+                    matrix[third, row, :, third, upper.index(alpha)] += of_tensors
         return matrix
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
@@ -133,10 +134,11 @@ class CompositeElement:
         polynomials = indices(self.degree)
         matrix = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         normal = np.array([along[1], -along[0]])
+        traction = (basis(2) @ normal).T
         for row, ends in enumerate(indices(self.degree, 2)):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = ends
-            matrix[row, :, third, polynomials.index(tuple(alpha))] = (basis(2) @ normal).T
+            matrix[row, :, third, polynomials.index(tuple(alpha))] = traction
         return matrix
 
     @cached_property
@@ -342,7 +344,8 @@ class StressSpace(MeshedBody):
         Returns:
             The coefficients of the tractions on the given edges, (..., e, n, 2).
         """
-        on_edges = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
+        *several, _, _, n, d = tractions.shape
+        on_edges = np.empty((*several, len(self.lengths), n, d))
         on_edges[..., self.edges, :, :] = tractions
         return on_edges[..., edges, :, :]
 
@@ -377,12 +380,14 @@ class StressSpace(MeshedBody):
     def points(self) -> Points:
         """The quadrature points, (2, cells, Q), with Q points in the three subtriangles of every cell."""
         vertices = thirds(self.mesh.p[:, self.mesh.t])
-        return np.einsum("dvtc,vq->dctq", vertices, self._rule[0]).reshape(2, self.cells, -1)
+        points = np.einsum("dvtc,vq->dctq", vertices, self._rule[0])
+        return points.reshape(2, self.cells, -1)
 
     @cached_property
     def barycentric(self) -> Array:
         """The barycentric coordinates of the Q quadrature points of a cell with respect to the cell, (3, Q)."""
-        return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
+        coordinates = np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0])
+        return coordinates.reshape(3, -1)
 
     @cached_property
     def weights(self) -> Array:
@@ -405,10 +410,12 @@ class StressSpace(MeshedBody):
         # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
         piola = self._piola[:, None]
         reference = self._reference.reshape(3, self.weights.shape[1], -1)
-        pulled = self.weights[..., None, None] * (piola.swapaxes(2, 3) @ compliance @ piola)
+        metric = piola.swapaxes(2, 3) @ compliance @ piola
+        pulled = self.weights[..., None, None] * metric
         products = np.einsum("Iqa,Jqb->qIJab", reference, reference)
         p = reference.shape[-1]
-        return (pulled.reshape(self.cells, -1) @ products.reshape(-1, p * p)).reshape(-1, p, p)
+        gram = pulled.reshape(self.cells, -1) @ products.reshape(-1, p * p)
+        return gram.reshape(-1, p, p)
 
     @cached_property
     def shares(self) -> Array:
@@ -463,7 +470,8 @@ class StressSpace(MeshedBody):
         turned = self.mesh.facets[0, self.edges] == end_of_side
         # Reflected cells have inward normals on their sides, so the sign of the determinant is included.
         length = self.lengths[self.edges] * np.sign(self.determinant)[:, None]
-        onto = self.frames[self.edges] @ self.map[:, None] / length[..., None, None]
+        pushed = self.frames[self.edges] @ self.map[:, None]
+        onto = pushed / length[..., None, None]
         return onto.swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
