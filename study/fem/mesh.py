@@ -365,7 +365,6 @@ def kuhn(n: int, dim: int) -> Array:
     return np.hstack(cells)
 
 
-@lru_cache
 def has_grids(body: Body) -> bool:
     """Return whether a grid on the unit cube can be mapped onto a body such that interfaces are lines of constant x_i.
 
@@ -393,6 +392,7 @@ def mapped(body: Body, reference: Points) -> Points:
     return images @ shapes
 
 
+@lru_cache
 def _images(body: Body) -> Points | None:
     """Return the corners of the body in the order of the corners of the unit cube, (d, 2^d).
 
