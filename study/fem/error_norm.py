@@ -105,14 +105,14 @@ class ErrorNorm:
             points.append(of_face)
             on.append((face.part, vertices))
         # Points in cells and on facets are evaluated together, so that common parts of formulas are computed once.
-        modes = solution.at(np.hstack([some.x for some in points])).modes()
+        modes = solution.at(np.hstack([group.x for group in points])).modes()
         self._amplitudes = amplitudes_of(modes)
         self._size = sum(len(part.tensors) * part.count for part in modes)
         sums = []
         first = 0
-        for some in points:
-            stop = first + len(some.weights)
-            sums.append(StressSums(solution.law, [part.among(first, stop) for part in modes], some))
+        for group in points:
+            stop = first + len(group.weights)
+            sums.append(StressSums(solution.law, [part.among(first, stop) for part in modes], group))
             first = stop
         self._cells, *self._faces = sums
         self._normals = [part.normal for part, _ in on]
@@ -212,7 +212,7 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
     for face in solution.faces if solution.body.dim == 2 else ():
         if isinstance(face, ContactFace) and len(lines) < 2:
             line = Line(*face.part.line(0.0))
-            sines = [abs(np.linalg.det([line.direction, other.direction])) for other in lines]
+            sines = [abs(np.linalg.det([line.direction, earlier.direction])) for earlier in lines]
             if min(sines, default=1.0) >= PARALLEL_FACES:
                 lines.append(line)
     return lines

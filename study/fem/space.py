@@ -200,7 +200,7 @@ class Displacements(MeshedBody, ABC):
         contact: list[tuple[Part, Array]] = []
         for part in self.body.of(Kind.CONTACT):
             fixed = np.flatnonzero(held[:, abs(part.normal) > COMPONENT].all(axis=1))
-            listed = [numbers for other, numbers in contact if np.allclose(other.normal, part.normal)]
+            listed = [numbers for earlier, numbers in contact if np.allclose(earlier.normal, part.normal)]
             numbers = np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *listed]))
             contact.append((part, numbers))
         return contact
