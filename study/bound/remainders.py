@@ -215,7 +215,7 @@ class Sampling:
         if not isinstance(law.G, Linear):
             reasons.append(f"the term of the nonlinear G of {law.name} is a quadrature")
         lines = [Line(*line) for line in data.lines]
-        if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
+        if rough_cells(self.space.mesh, lines, data.points).any():
             reasons.append(
                 "cells at the lines and points where the data are rough have graded rules, which are not exact"
             )

@@ -174,7 +174,7 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     # For each node a cell of the fine mesh that has it, and the coarse cell in which this cell lies.
     _, first = np.unique(numbers_of(fine), return_index=True)
     parents = first % fine.t.shape[1] % cells
-    places = barycentric(mesh, parents, nodes[:, :, None])[..., 0]
+    places = barycentric(mesh.p, mesh.t[:, parents], nodes[:, :, None])[..., 0]
     parts = 2.0 * np.sqrt(fine.t.shape[1] / cells)
     exact = np.rint(parts * places) / parts
     if not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):

@@ -57,11 +57,11 @@ from study.certify import checker
 from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.certify.statement import Twins, in_doubles, rational_mesh, statement
 from study.fem.mesh import MeshFamily, Unstructured
+from study.fem.quadrature import bernstein
 from study.ledger.files import Json, write_packed
 from study.solve.evolution import Scheme
 from study.stresses.hybrid import EquilibratedStress
 from study.stresses.loads import Loads
-from study.stresses.stress_space import bernstein
 
 FINE_DIGITS, COARSE_DIGITS = 38, 20
 """Numbers of binary digits of a stress, relative to the largest traction.

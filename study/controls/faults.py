@@ -297,11 +297,11 @@ class Loosened(Space):
     """V^h without the condition v = 0 at every second vertex of Γ1."""
 
     @cached_property
-    def free(self) -> Array:
-        fixed = np.zeros(self.count, dtype=bool)
+    def _held(self) -> tuple[Array, Array]:
+        fixed = np.zeros((self.count, self.dim), dtype=bool)
         for part in self.body.of(Kind.CLAMPED):
             fixed[self.vertices(part)[::2]] = True
-        return np.flatnonzero(np.repeat(~fixed, self.dim))
+        return fixed.ravel(), super()._held[1]
 
 
 INSIDE_SHARE = 1e-9
@@ -487,9 +487,9 @@ def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
 
     ``size`` is not used.
     """
-    parts = [part for part, _ in setup.space.contact]
-    following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
-    N = components(setup.space, lambda part: following[id(part)])
+    parts, numbers = zip(*setup.space.contact, strict=True)
+    following = [*parts[1:], parts[0]]
+    N = setup.space.normal_components([*zip(following, numbers, strict=True)])
     return solving(setup, N=N) if len(parts) > 1 else None
 
 

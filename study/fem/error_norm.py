@@ -12,7 +12,6 @@ relative accuracy to about (machine precision)/h², that is 1e-10 at h = 1e-3.
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sps
@@ -106,15 +105,20 @@ class ErrorNorm:
             points.append(of_face)
             on.append((face.part, vertices))
         # Points in cells and on facets are evaluated together, so that common parts of formulas are computed once.
-        modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
+        modes = solution.at(np.hstack([group.x for group in points])).modes()
         self._amplitudes = amplitudes_of(modes)
         self._size = sum(len(part.tensors) * part.count for part in modes)
-        ends = np.cumsum([0, *(len(found.weights) for found in points)])
-        split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
-        self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
-        self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
-        self._normal = sps.csr_array(space.normal_components(on).T)
-        self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
+        sums = []
+        first = 0
+        for group in points:
+            stop = first + len(group.weights)
+            sums.append(StressSums(solution.law, [part.among(first, stop) for part in modes], group))
+            first = stop
+        self._cells, *self._faces = sums
+        self._normals = [part.normal for part, _ in on]
+        self._to_vertices = sps.csr_array(space.normal_components(on).T)
+        of_cells = [part.among(0, len(cells.weights)) for part in modes]
+        self._energy = StrainEnergy(of_cells, cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
     def sample(self, time: float) -> ExactAtTime:
@@ -146,13 +150,14 @@ class ErrorNorm:
         Raises:
             NormError: the norm is not a finite number. A maximum over time could hide a NaN.
         """
-        found = float(np.sqrt(sample.oscillation + self._constant_energy(sample.means - self.space.strain(v))))
-        if not math.isfinite(found):
+        of_means = self._constant_energy(sample.means - self.space.strain(v))
+        error = float(np.sqrt(sample.oscillation + of_means))
+        if not math.isfinite(error):
             raise NormError(
-                f"‖u(t) − v‖_V is {found} at t = {sample.time:.6g}: a value of u or v is not finite, or its square "
+                f"‖u(t) − v‖_V is {error} at t = {sample.time:.6g}: a value of u or v is not finite, or its square "
                 "overflows; use units in which displacements have moderate size"
             )
-        return found
+        return error
 
     def largest(self, times: Array, displacements: Iterable[Array]) -> float:
         """Return the largest error max_n ‖u(t_n) − v_n‖_V of displacements v_n, (dofs,), at times t_n, (n,)."""
@@ -168,14 +173,17 @@ class ErrorNorm:
         (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so F can also be computed for solutions whose body
         force is not in L².
         """
-        found = []
+        loads = []
         for block in blocks(time, self._size):
             strains = self._amplitudes(block, False)
             rates = self._amplitudes(block, True)
-            # The work of the contact pressure p = −σ_ν.
-            pressure = [mapped(-dyad(normal, normal), sums(strains, rates)) for normal, sums in self._faces]
-            found.append(self.space.tested(self._cells(strains, rates)) + self._normal @ np.concatenate(pressure))
-        return np.concatenate(found, axis=1).reshape(-1, *np.shape(time))
+            pressures = []
+            for normal, sums in zip(self._normals, self._faces, strict=True):
+                stresses = sums(strains, rates)
+                pressures.append(mapped(-dyad(normal, normal), stresses))
+            work_of_pressure = self._to_vertices @ np.concatenate(pressures)
+            loads.append(self.space.tested(self._cells(strains, rates)) + work_of_pressure)
+        return np.hstack(loads).reshape(-1, *np.shape(time))
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, aligned: bool = False) -> list[CellRule]:
@@ -200,13 +208,14 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
     such that few different values of s occur. In 3D, and if no face of the solution is a ``ContactFace``, the list is
     empty.
     """
-    found: list[Line] = []
-    contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
-    for line in (Line(*face.part.line(0.0)) for face in contact):
-        parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL_FACES for other in found)
-        if not parallel and len(found) < 2:
-            found.append(line)
-    return found
+    lines: list[Line] = []
+    for face in solution.faces if solution.body.dim == 2 else ():
+        if isinstance(face, ContactFace) and len(lines) < 2:
+            line = Line(*face.part.line(0.0))
+            sines = [abs(np.linalg.det([line.direction, earlier.direction])) for earlier in lines]
+            if min(sines, default=1.0) >= PARALLEL_FACES:
+                lines.append(line)
+    return lines
 
 
 def gaps_at_vertices(solution: ExactSolution, space: Space) -> Array | float:

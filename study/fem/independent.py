@@ -36,27 +36,14 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
         time: the time t.
         degree: degree of the quadrature rule for f_0.
     """
-    return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
-
-
-def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """Return the load vector of the body force f_0 alone, with the entry (f_0, v)_H for each basis function v, (dofs,).
-
-    The load vector of both loads is ``load_from_forces``.
-
-    Args:
-        solution: the exact solution.
-        space: the space V^h.
-        time: the time.
-        degree: degree of the quadrature rule for f_0.
-    """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
         force = solution.at(rule.points).body_force(time) * rule.weights
-        values = np.einsum("dnq,inq->din", force, barycentric(mesh, rule.cells, rule.points))
-        nodal += space.scatter(mesh.t[:, rule.cells], values)
-    return space.interpolate(nodal)
+        simplices = mesh.t[:, rule.cells]
+        values = np.einsum("dnq,inq->din", force, barycentric(mesh.p, simplices, rule.points))
+        nodal += space.scatter(simplices, values)
+    return space.interpolate(nodal) + work_on(Kind.LOADED, solution, space, time)
 
 
 def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> Array:
@@ -73,9 +60,10 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
     """
     nodal = np.zeros_like(space.mesh.p)
     for part in space.body.of(kind):
-        edge = rule_on(space, part, FACET_POINTS)
-        load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
-        nodal += space.scatter(space.mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
+        rule = rule_on(space, part, FACET_POINTS)
+        load = solution.at(part.point(rule.s)).surface_load(part, time) * rule.weights
+        values = np.einsum("dnq,anq->dan", load, rule.shapes)
+        nodal += space.scatter(space.mesh.facets[:, rule.facets], values)
     return space.interpolate(nodal)
 
 
@@ -104,9 +92,12 @@ class LeadingTerm:
         self.A = solution.law.A.matrix
         self.T = space.body.T
         self.weights = space.volumes * solution.law.A.factor(centres) / ((d + 1) * (d + 2))
-        edges = {(i, j): corners[:, j] - corners[:, i] for i, j in combinations(range(d + 1), 2)}
-        self.squares = {ends: mandel(l[:, None] * l) for ends, l in edges.items()}
-        self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))[..., None]
+        self.squares = {}
+        for i, j in combinations(range(d + 1), 2):
+            edge = corners[:, j] - corners[:, i]
+            self.squares[i, j] = mandel(edge[:, None] * edge)
+        slopes = np.moveaxis(barycentric_gradients(space.mesh), 0, -1)
+        self.slopes = np.ascontiguousarray(slopes)[..., None]
 
     def largest(self) -> float:
         """Return the maximum over time of the leading term of ‖u − Π^h u‖_V.
@@ -121,13 +112,14 @@ class LeadingTerm:
         strains = self.fields.strain_gradient(times)
         # Second derivatives follow from derivatives of strains: ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij. Both
         # arrays have the shape (D, d, ...), where the pair (i, j) is stored as a Mandel vector of D components.
-        gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
-        hessian = 2 * mandel(gradient) - strains
+        hessian = 2 * mandel(full(strains).swapaxes(1, 2)) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
         for (i, j), square in self.squares.items():
             bend = np.einsum("Ikcn,Ic->kcn", hessian, square) / 2
             V[i] += bend[:, None] * self.slopes[j]
             V[j] += bend[:, None] * self.slopes[i]
-        edges = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
-        density = sum(np.einsum("Icn,Icn->cn", mapped(self.A, e), e) for e in edges)
+        density = np.zeros(hessian.shape[2:])
+        for gradient in (*V, V.sum(axis=0)):
+            strain = mandel(gradient)
+            density += np.einsum("Icn,Icn->cn", mapped(self.A, strain), strain)
         return np.sqrt(self.weights @ density)

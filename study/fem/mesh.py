@@ -17,6 +17,7 @@ from typing import ClassVar
 import numpy as np
 import scipy.sparse as sps
 from scipy.spatial import Delaunay
+from scipy.spatial.distance import cdist
 from skfem import Mesh, MeshTet, MeshTri
 from skfem.mapping import MappingAffine
 
@@ -107,7 +108,9 @@ def size(mesh: Mesh) -> float:
     In a quasi-uniform family this is the largest diameter up to a constant factor. The largest diameter itself is not
     used, because it varies at random on shaken meshes, which would disturb the observed orders.
     """
-    return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
+    d = mesh.dim()
+    mean = cell_volumes(mesh).mean()
+    return float((factorial(d) * mean) ** (1 / d))
 
 
 def cell_volumes(mesh: Mesh) -> Array:
@@ -117,7 +120,7 @@ def cell_volumes(mesh: Mesh) -> Array:
         return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
 
 
-def facet_measures(mesh: Mesh, facets: Array) -> Array:
+def facet_measures(mesh: Mesh, facets: Array | slice) -> Array:
     """Return the lengths (2D) or areas (3D) of facets, given by their numbers, (n,) → (n,)."""
     return np.asarray(MappingAffine(mesh).detB[facets] / factorial(mesh.dim() - 1))
 
@@ -125,25 +128,38 @@ def facet_measures(mesh: Mesh, facets: Array) -> Array:
 def barycentric_gradients(mesh: Mesh) -> Array:
     """Return the gradients of the P1 basis functions (barycentric coordinates λ_i) on every cell, (cells, d+1, d)."""
     inner = MappingAffine(mesh).invA
-    return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
+    gradients = np.concatenate([-inner.sum(axis=0, keepdims=True), inner])
+    return np.ascontiguousarray(np.moveaxis(gradients, 2, 0))
 
 
-def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
-    """Return barycentric coordinates of q points in each of n cells, (d+1, n, q).
+def affine_maps(points: Points, cells: Array) -> Array:
+    """Return the matrices F of the affine maps x = F x̂ + b from the reference simplex to cells, (cells, d, d).
 
     Args:
-        mesh: the mesh.
-        cells: the numbers of the cells, (n,).
-        points: the points in these cells, (d, n, q).
+        points: the vertices, (d, n).
+        cells: the numbers of the vertices of the cells, (d+1, cells).
     """
-    inner = MappingAffine(mesh, tind=cells).invF(points)
+    corners = points[:, cells]
+    return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
+
+
+def barycentric(vertices: Points, simplices: Array, points: Points) -> Array:
+    """Return barycentric coordinates of q points in each of n simplices, (d+1, n, q).
+
+    Args:
+        vertices: vertices of a mesh, (d, vertices).
+        simplices: vertex numbers of the simplices, (d+1, n).
+        points: the points, (d, n, q).
+    """
+    inverse = np.linalg.inv(affine_maps(vertices, simplices))
+    away = points - vertices[:, simplices[0], None]
+    inner = np.einsum("nij,jnq->inq", inverse, away)
     return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
 
 
 def determinants(points: Points, cells: Array) -> Array:
     """Return d! times the signed volumes of cells: vertices (d, n), vertex numbers (d+1, cells) → (cells,)."""
-    corners = points[:, cells]
-    return np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0))
+    return np.linalg.det(affine_maps(points, cells))
 
 
 def with_midpoints(mesh: Mesh) -> sps.csr_array:
@@ -154,8 +170,9 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
     """
     edges = mesh.facets if mesh.dim() == 2 else mesh.edges
     count = mesh.p.shape[1]
-    rows = np.repeat(np.arange(edges.shape[1]), 2)
-    midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
+    halves = np.full(edges.size, 0.5)
+    starts = np.arange(0, edges.size + 1, 2)
+    midpoints = sps.csr_array((halves, edges.T.ravel(), starts), shape=(edges.shape[1], count))
     return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
 
 
@@ -235,7 +252,8 @@ class CrissCross(Structured):
         corners = squares(n)
         centres = points[:, corners].mean(axis=1)
         middle = points.shape[1] + np.arange(n * n)
-        cells = [[corners[i - 1], corners[i], middle] for i in (1, 2, 3, 0)]
+        sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
+        cells = [[start, end, middle] for start, end in sides]
         return simplicial_mesh(np.hstack([points, centres]), np.hstack(cells))
 
 
@@ -257,7 +275,8 @@ class Alternating(Structured):
         odd = np.indices((n, n)).sum(axis=0).ravel() % 2 == 1
         rising = np.hstack([[a, b, c], [a, c, d]])
         falling = np.hstack([[a, b, d], [b, c, d]])
-        return simplicial_mesh(mapped(body, grid_vertices(n, 2)), np.where(np.tile(odd, 2), falling, rising))
+        cells = np.where(np.tile(odd, 2), falling, rising)
+        return simplicial_mesh(mapped(body, grid_vertices(n, 2)), cells)
 
 
 @dataclass(frozen=True)
@@ -282,28 +301,33 @@ class Shaken(Structured):
         # The grid on the unit cube is shaken, not its image, so that vertices of stretched cells move in proportion.
         plain = grid_vertices(n, body.dim)
         amplitude = self.amplitude * 2 / body.dim
-        shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * amplitude / n
+        rng = np.random.default_rng([self.seed, n])
+        shift = rng.uniform(-1, 1, plain.shape) * amplitude / n
         shift[(plain == 0) | (plain == 1)] = 0
         resting = mapped(body, plain)
-        ends = [*body.vertices.T]
         # Sides of boundary parts and interfaces must remain unions of facets, so vertices on them slide along them.
-        sides = [part.corners[:, [i - 1, i]] for part in body.parts for i in range(part.corners.shape[1])]
-        for line in (*sides, *(interface.corners for interface in body.interfaces)):
-            ends += [*line.T]
+        lines = [interface.corners for interface in body.interfaces]
+        for part in body.parts:
+            following = np.roll(part.corners, -1, axis=1)
+            lines += [np.transpose(ends) for ends in zip(part.corners.T, following.T, strict=True)]
+        for line in lines:
             on = np.flatnonzero(on_segment(resting, line))
             if on.size > 1:
                 along = plain[:, on[-1]] - plain[:, on[0]]
                 along /= np.linalg.norm(along)
-                shift[:, on] = np.multiply.outer(along, along @ shift[:, on])
+                shift[:, on] = np.outer(along, along @ shift[:, on])
         points = mapped(body, plain + shift)
-        fixed = [np.linalg.norm(resting - end[:, None], axis=0).argmin() for end in ends]
+        ends = np.hstack([body.vertices, *lines])
+        fixed = cdist(ends.T, resting.T).argmin(axis=1)
         points[:, fixed] = resting[:, fixed]
         return simplicial_mesh(points, kuhn(n, body.dim))
 
 
 def grid_vertices(n: int, dim: int) -> Points:
     """Return the vertices of a grid of n^d cubes on the unit cube, (d, (n+1)^d); x1 varies fastest."""
-    return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
+    ticks = np.linspace(0, 1, n + 1)
+    coordinates = np.meshgrid(*[ticks] * dim, indexing="ij")
+    return np.array([x.ravel("F") for x in coordinates])
 
 
 def lowest_corners(n: int, dim: int) -> Array:
@@ -341,7 +365,6 @@ def kuhn(n: int, dim: int) -> Array:
     return np.hstack(cells)
 
 
-@lru_cache
 def has_grids(body: Body) -> bool:
     """Return whether a grid on the unit cube can be mapped onto a body such that interfaces are lines of constant x_i.
 
@@ -369,6 +392,7 @@ def mapped(body: Body, reference: Points) -> Points:
     return images @ shapes
 
 
+@lru_cache
 def _images(body: Body) -> Points | None:
     """Return the corners of the body in the order of the corners of the unit cube, (d, 2^d).
 
@@ -388,27 +412,15 @@ def _images(body: Body) -> Points | None:
 
 def _parallelepiped(body: Body) -> Points | None:
     """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
-    corners = body.corners
-    tolerance = 1e-9 * body.extent
-    first = corners[:, :1]
-    normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
-    normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
-    if len(normals) != 3:
-        return None
-    # The three edges of a parallelepiped at its first corner. Each leads to the only other corner that lies in the
-    # planes of two of the three faces there.
-    off = abs(normals @ (corners - first)) > tolerance
-    ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
-    if any(end.size != 1 for end in ends):
-        return None
-    edges = (corners - first)[:, [int(end[0]) for end in ends]]
-    if np.linalg.det(edges) < 0:
-        edges = edges[:, [1, 0, 2]]
-    images = first + edges @ grid_vertices(1, 3)
-    apart = np.linalg.norm(images[:, :, None] - corners[:, None, :], axis=0)
-    volume = np.linalg.det(edges)
-    fills = apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume
-    return images if fills else None
+    first, *others = body.corners.T
+    # In this order the edges of the unit cube are found as e_1, e_2, e_3.
+    for ends in permutations(reversed(others), 3):
+        edges = np.transpose(ends - first)
+        if abs(np.linalg.det(edges) - body.measure) <= 1e-9 * body.measure:
+            images = first[:, None] + edges @ grid_vertices(1, 3)
+            if cdist(images.T, body.corners.T).min(axis=1).max() <= 1e-9 * body.extent:
+                return images
+    return None
 
 
 def _is_grid_line(images: Points, interface: Part) -> bool:
@@ -457,10 +469,11 @@ class Unstructured(MeshFamily):
         # The start of an interface lies on the boundary and is already among the boundary points.
         inside = [_divide(interface, body, spacing)[:, 1:] for interface in body.interfaces]
         fixed = np.hstack([*boundary, *inside])
-        points = np.hstack([fixed, _lattice(body, spacing, np.random.default_rng([self.seed, n]))])
+        rng = np.random.default_rng([self.seed, n])
+        points = np.hstack([fixed, _lattice(body, spacing, rng)])
         for _ in range(self.sweeps):
-            cells = _delaunay(body, points)
-            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
+            centroids = _star_centroids(points, _delaunay(body, points))
+            points = np.hstack([fixed, centroids[:, fixed.shape[1] :]])
         return simplicial_mesh(points, _delaunay(body, points))
 
 
@@ -509,7 +522,8 @@ class Graded(MeshFamily):
             away = mesh.p - centre
             share = np.linalg.norm(away, axis=0) / radius
             inside = share < 1
-            points[:, inside] = centre + away[:, inside] * share[inside] ** (self.exponent - 1)
+            factor = share[inside] ** (self.exponent - 1)
+            points[:, inside] = centre + away[:, inside] * factor
         if (determinants(points, mesh.t) * determinants(mesh.p, mesh.t) <= 0).any():
             raise MeshError(f"grading inverts cells of the mesh of level {n}; take a finer level")
         return simplicial_mesh(points, mesh.t)
@@ -543,9 +557,9 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
     points += rng.uniform(-0.3, 0.3, points.shape) * spacing
     keep = body.contains(points)
     for part in (*body.parts, *body.interfaces):
-        s, depth = part.coordinates(points)
-        near = (s[0] > -spacing) & (s[0] < part.measure + spacing) & (abs(depth) < 0.55 * spacing)
-        keep &= ~near
+        (s,), depth = part.coordinates(points)
+        beside = (s > -spacing) & (s < part.measure + spacing)
+        keep &= ~(beside & (abs(depth) < 0.55 * spacing))
     return points[:, keep]
 
 
@@ -556,15 +570,16 @@ def _divide(part: Part, body: Body, spacing: float) -> Array:
     """
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
-    found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
+    on_part = [part.coordinates(end)[0].item() for end in ends if part.contains(end, tolerance)]
     stops = [0.0]
-    for s in (*found, part.measure):
+    for s in (*sorted(on_part), part.measure):
         if s - stops[-1] > tolerance:
             stops.append(s)
     pieces = []
     for low, high in pairwise(stops):
-        count = max(1, round((high - low) / spacing))
-        pieces.append(low + np.arange(count) * (high - low) / count)
+        length = high - low
+        count = max(1, round(length / spacing))
+        pieces.append(low + np.arange(count) * length / count)
     return part.point(np.concatenate(pieces)[None])
 
 
@@ -573,18 +588,20 @@ def _delaunay(body: Body, points: Array) -> Array:
     cells = Delaunay(points.T).simplices.T
     area = abs(determinants(points, cells)) / 2
     # Round-off may produce very thin cells between points on one straight side, so they are removed.
-    keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
+    centroids = points[:, cells].mean(axis=1)
+    keep = (area > 1e-6 * area.mean()) & body.contains(centroids)
     return cells[:, keep]
 
 
 def _star_centroids(points: Array, cells: Array) -> Array:
     """Return for each point the area-weighted mean of the centroids of the cells around it, (2, points)."""
-    corners = points[:, cells]
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    start, first, second = np.moveaxis(points[:, cells], 1, 0)
+    first = first - start
+    second = second - start
     area = abs(first[0] * second[1] - first[1] * second[0])
-    centroid = corners.mean(axis=1)
-    sums = [np.bincount(cells.ravel(), np.tile(x, 3), points.shape[1]) for x in (*(area * centroid), area)]
-    return np.array(sums[:2]) / np.maximum(sums[2], np.finfo(float).tiny)
+    weighted = area * points[:, cells].mean(axis=1)
+    *moments, areas = (np.bincount(cells.ravel(), np.tile(x, 3), points.shape[1]) for x in (*weighted, area))
+    return moments / np.maximum(areas, np.finfo(float).tiny)
 
 
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
@@ -644,16 +661,16 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     length = body.measure ** (1 / body.dim)
     facets = mesh.boundary_facets()
     border = mesh.p[:, np.unique(mesh.facets[:, facets])]
-    for vertex in body.vertices.T:
-        off = np.linalg.norm(border - vertex[:, None], axis=0).min()
+    distances = cdist(body.vertices.T, border.T).min(axis=1)
+    for vertex, off in zip(body.vertices.T, distances, strict=True):
         if off > FIT_TOLERANCE * length:
             mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
             raise MeshError(
                 f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
                 f"(the nearest is {off:.3g} away); {mend}"
             )
-    found = [_covering(mesh, facets, part, length) for part in body.parts]
-    left_out = len(facets) - sum(map(len, found))
+    of_parts = [_covering(mesh, facets, part, length) for part in body.parts]
+    left_out = len(facets) - sum(map(len, of_parts))
     if left_out:
         raise MeshError(
             f"{left_out} boundary facets of the mesh lie on no part of the body, or on two: "
@@ -661,7 +678,7 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
         )
     for interface in body.interfaces:
         _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)
-    return found
+    return of_parts
 
 
 def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
@@ -674,8 +691,8 @@ def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
         length: the length to which the tolerance is relative.
     """
     on = part.contains(mesh.p, FIT_TOLERANCE * length)
-    mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
-    covered = facet_measures(mesh, mine).sum()
+    on_part = facets[on[mesh.facets[:, facets]].all(axis=0)]
+    covered = facet_measures(mesh, on_part).sum()
     if abs(covered - part.measure) > FIT_TOLERANCE * length ** (mesh.dim() - 1):
         what = "length" if mesh.dim() == 2 else "area"
         mend = (
@@ -687,7 +704,7 @@ def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
             f"facets of total {what} {covered:.9g} lie on the part {part.kind.value} with the corners "
             f"{part.corners.T.tolist()}, whose {what} is {part.measure:.9g}: {mend}"
         )
-    return mine
+    return on_part
 
 
 @dataclass(frozen=True, eq=False)

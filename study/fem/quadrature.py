@@ -23,15 +23,14 @@ each vertex instead of each cell, and the weights contain the shape function of 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from itertools import pairwise
+from itertools import combinations_with_replacement, compress
+from math import factorial, isqrt, prod
 
 import numpy as np
 import scipy.sparse as sps
-from scipy.special import factorial
 from skfem import Mesh
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTet, RefTri
@@ -100,24 +99,26 @@ def gauss(count: int) -> PointsAndWeights:
 def graded(
     left: Array, right: Array, count: int, power: Array | int = 1, to_right: Array | bool = False
 ) -> PointsAndWeights:
-    """Return Gauss rules on n intervals, graded towards one end of each interval.
+    """Return Gauss rules on intervals, graded towards one end of each interval.
 
     A Gauss rule in ξ on (0, 1) is mapped by the substitution s = near + (far − near) ξ^power, where ``near`` and
     ``far`` are the two ends of an interval. A power above 1 concentrates the points at the end ``near``.
 
     Args:
-        left, right: the ends of the intervals, (n, 1).
+        left, right: the ends of the intervals, (..., 1).
         count: the number of points in each interval.
-        power: the exponent of the substitution, one for all intervals or one for each, (n, 1).
-        to_right: whether ``near`` is the right end, for all intervals or for each, (n, 1).
+        power: the exponent of the substitution, one for all intervals or one for each, (..., 1).
+        to_right: whether ``near`` is the right end, for all intervals or for each, (..., 1).
 
     Returns:
-        Points and weights, (n, count) each.
+        Points and weights, (..., count) each.
     """
     xi, w = gauss(count)
     near = np.where(to_right, right, left)
     far = np.where(to_right, left, right)
-    return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
+    length = far - near
+    slopes = power * xi ** (power - 1.0)
+    return near + length * xi**power, abs(length) * slopes * w
 
 
 def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
@@ -127,8 +128,10 @@ def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
     rule of degree 4 has negative weights, and from degree 5 on its rules are exact to one degree less than requested (a
     test verifies this); a rule of a higher degree is used instead.
     """
-    reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
-    return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
+    rule = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
+    points, weights = rule
+    first = 1 - points.sum(axis=0)
+    return np.vstack([first, points]), weights / weights.sum()
 
 
 def duffy(along: int, across: int, grading: int = 1) -> PointsAndWeights:
@@ -149,10 +152,43 @@ def duffy(along: int, across: int, grading: int = 1) -> PointsAndWeights:
     Anal. 19 (1982) 1260–1262.
     """
     (xi, wx), (eta, we) = gauss(along), gauss(across)
-    far = xi[:, None] ** grading * np.ones_like(eta)
-    points = np.array([1 - far, far * (1 - eta), far * eta])
-    weights = np.multiply.outer(2 * grading * xi ** (2 * grading - 1) * wx, we)
-    return points.reshape(3, -1), weights.ravel()
+    far = np.repeat(xi**grading, across)
+    share = np.tile(eta, along)
+    jacobians = 2 * grading * xi ** (2 * grading - 1)
+    weights = np.outer(jacobians * wx, we).ravel()
+    return np.array([1 - far, far * (1 - share), far * share]), weights
+
+
+def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
+    """Return the multi-indices α ≥ 0 with |α| = degree, which number the Bernstein polynomials of this degree.
+
+    They are tuples of integers, in descending lexicographic order.
+
+    Args:
+        degree: the degree.
+        variables: the number of entries of α, which is the number of barycentric coordinates: 2 on an edge, 3 on a
+            triangle.
+    """
+    choices = combinations_with_replacement(range(variables), degree)
+    return [tuple(choice.count(i) for i in range(variables)) for choice in choices]
+
+
+def bernstein(degree: int, barycentric: Array) -> Array:
+    """Return the values of all Bernstein polynomials of a degree at points, in the order of ``indices``.
+
+    Args:
+        degree: the degree of the polynomials.
+        barycentric: barycentric coordinates of the points, (v, ...), with v = 2 on an edge and 3 on a triangle.
+
+    Returns:
+        The values, (polynomials, ...).
+    """
+
+    def polynomial(alpha: tuple[int, ...]) -> Array:
+        powers = (x**a for x, a in zip(barycentric, alpha, strict=True))
+        return factorial(degree) / prod(map(factorial, alpha)) * prod(powers)
+
+    return np.array([polynomial(alpha) for alpha in indices(degree, len(barycentric))])
 
 
 def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
@@ -167,7 +203,7 @@ def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
 
 
 def facet_rule(
-    mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int, divisions: int = 1
+    mesh: Mesh, facets: Array, part: Part, rough: Sequence[float], points: int, divisions: int = 1
 ) -> FacetRule:
     """Return a quadrature rule on facets of one boundary part, exact for polynomials of degree 2 · points − 2.
 
@@ -192,23 +228,26 @@ def facet_rule(
         barycentric, weights = duffy(points, points)
         s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
         shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
-        return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
-    ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
+        return FacetRule(facets, s, shapes, np.outer(facet_measures(mesh, facets), weights))
+    corners = mesh.p[:, mesh.facets[:, facets]]
+    (ends,), _ = part.coordinates(corners)
     low = ends.min(axis=0)
     high = ends.max(axis=0)
-    nodes = np.sort([*np.linspace(low, high, divisions + 1), *(np.clip(c, low, high) for c in rough)], axis=0)
-    pieces = []
-    for left, right in pairwise(nodes[..., None]):
-        # Whether an end of the piece is one of the coordinates ``rough``, up to round-off.
-        is_rough = [
-            np.any([abs(end - c) <= VERTEX_ON_LINE * (high - low)[:, None] for c in (*rough, np.inf)], axis=0)
-            for end in (left, right)
-        ]
-        power = np.where(is_rough[0] | is_rough[1], GRADING, 1)
-        pieces.append(graded(left, right, points, power, is_rough[1] & ~is_rough[0]))
-    place, weights = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))
-    first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
-    return FacetRule(facets, place[None], np.stack([first, 1 - first]), weights)
+    cuts = [np.clip(c, low, high) for c in rough]
+    nodes = np.sort([*np.linspace(low, high, divisions + 1), *cuts], axis=0)
+    nodes = nodes.T[..., None]
+    # Whether a node is one of the coordinates ``rough``, up to round-off.
+    tolerance = VERTEX_ON_LINE * (high - low)
+    is_rough = (abs(nodes - rough) <= tolerance[:, None, None]).any(axis=2, keepdims=True)
+    from_left = is_rough[:, :-1]
+    from_right = is_rough[:, 1:]
+    power = np.where(from_left | from_right, GRADING, 1)
+    s, weights = graded(nodes[:, :-1], nodes[:, 1:], points, power, from_right & ~from_left)
+    s = s.reshape(len(facets), -1)
+    start, end = ends[..., None]
+    first = (end - s) / (end - start)
+    shapes = np.stack([first, 1 - first])
+    return FacetRule(facets, s[None], shapes, weights.reshape(s.shape))
 
 
 def rule_on(space: MeshedBody, part: Part, points: int, rough: tuple[float, ...] = ()) -> FacetRule:
@@ -251,13 +290,17 @@ class Line:
         """The unit vector along the line, (2,): the vector ``direction`` rotated by +90°, counter-clockwise."""
         return np.array([-self.direction[1], self.direction[0]])
 
+    def distance(self, points: Points) -> Array:
+        """Return the signed distances of points from the line, (2, ...) → (...)."""
+        return np.tensordot(self.direction, points, axes=1) - self.offset
+
     def __str__(self) -> str:
         terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > VERTEX_ON_LINE)
         return f"{{{terms} = {self.offset:.4g}}}"
 
 
-def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
-    """Return the cells that each of the lines and points meets, as arrays of cell numbers, (n,) each.
+def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> Array:
+    """Return whether each of several lines and points meets each cell, (lines + points, cells).
 
     Args:
         mesh: the mesh.
@@ -265,7 +308,7 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
         points: points at which the solution is singular; each must be a vertex of the mesh.
 
     Returns:
-        One array for each line, then one for each point. No cell occurs twice.
+        One row for each line, then one for each point. No cell occurs in two rows.
 
     Raises:
         MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are
@@ -278,35 +321,42 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
             f"the solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
             "contact face without `rough`, a material without `steps` and a solution without `singular`"
         )
-    found = [_touching(mesh, line) for line in lines]
-    for point in points:
-        apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
-        vertex = int(apart.argmin())
-        if apart[vertex] > VERTEX_ON_LINE * np.sqrt(cell_volumes(mesh).sum()):
-            raise MeshError(
-                f"the solution is singular at {point}, which is not a vertex of the mesh (the nearest is "
-                f"{apart[vertex]:.3g} away); make it a vertex of the body"
-            )
-        found.append(np.flatnonzero((mesh.t == vertex).any(axis=0)))
-    owner = np.full(mesh.t.shape[1], -1)
-    for i, cells in enumerate(found):
-        taken = cells[owner[cells] >= 0]
-        if taken.size:
-            place = ", ".join(f"{x:.3g}" for x in mesh.p[:, mesh.t[:, taken[0]]].mean(axis=1))
-            raise MeshError(
-                f"the cell around ({place}) meets two lines or points at which the solution is not smooth, "
-                f"{names[owner[taken[0]]]} and {names[i]}, but a cell is cut for one of them only; take a finer level, "
-                "or change the solution if they cross"
-            )
-        owner[cells] = i
-    return found
+    of_lines = [_touching(mesh, line) for line in lines]
+    of_points = [(mesh.t == _vertex_at(mesh, point)).any(axis=0) for point in points]
+    meets = np.array([*of_lines, *of_points], dtype=bool).reshape(-1, mesh.t.shape[1])
+    several = np.flatnonzero(meets.sum(axis=0) > 1)
+    if several.size:
+        cell = several[0]
+        centre = mesh.p[:, mesh.t[:, cell]].mean(axis=1)
+        place = ", ".join(f"{x:.3g}" for x in centre)
+        first, second, *_ = np.flatnonzero(meets[:, cell])
+        raise MeshError(
+            f"the cell around ({place}) meets two lines or points at which the solution is not smooth, "
+            f"{names[first]} and {names[second]}, but a cell is cut for one of them only; take a finer level, "
+            "or change the solution if they cross"
+        )
+    return meets
+
+
+def _vertex_at(mesh: Mesh, point: Point) -> int:
+    """Return the number of the vertex at a point; raise MeshError if there is none."""
+    distances = np.linalg.norm(mesh.p.T - point, axis=1)
+    vertex = int(distances.argmin())
+    if distances[vertex] > VERTEX_ON_LINE * np.sqrt(cell_volumes(mesh).sum()):
+        raise MeshError(
+            f"the solution is singular at {point}, which is not a vertex of the mesh (the nearest is "
+            f"{distances[vertex]:.3g} away); make it a vertex of the body"
+        )
+    return vertex
 
 
 def _touching(mesh: Mesh, line: Line) -> Array:
-    """Return the numbers of the cells that a line crosses or touches at an edge or a vertex."""
-    distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
-    near = VERTEX_ON_LINE * (distance.max(axis=0) - distance.min(axis=0))
-    return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
+    """Return for every cell whether a line crosses it or touches it at an edge or a vertex, (cells,)."""
+    distances = line.distance(mesh.p)[mesh.t]
+    low = distances.min(axis=0)
+    high = distances.max(axis=0)
+    near = VERTEX_ON_LINE * (high - low)
+    return np.asarray((low <= near) & (high >= -near))
 
 
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
@@ -322,10 +372,13 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
         degree: the degree of the polynomials for which the rule is exact.
     """
     simplices = mesh.t[:, cells]
-    vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
-    simplices = np.take_along_axis(simplices, (vertex + np.arange(3)[:, None]) % 3, axis=0)
+    # The point becomes the first vertex of every cell.
+    first = (simplices == _vertex_at(mesh, point)).argmax(axis=0)
+    order = (first + np.arange(3)[:, None]) % 3
+    simplices = np.take_along_axis(simplices, order, axis=0)
     barycentric, weights = duffy(GRADING * (degree + 2) // 2, degree + 8, GRADING)
-    return CellRule(cells, placed(mesh.p, simplices, barycentric), cell_volumes(mesh)[cells, None] * weights)
+    points = placed(mesh.p, simplices, barycentric)
+    return CellRule(cells, points, np.outer(cell_volumes(mesh)[cells], weights))
 
 
 def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
@@ -345,7 +398,7 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     def towards_line(left: Array, right: Array) -> PointsAndWeights:
         return graded(left, right, degree + GRADING, GRADING, abs(left) > abs(right))
 
-    return _slab_rule(mesh, cells, line, [0.0], towards_line, degree)
+    return _slab_rule(mesh, cells, [line], towards_line, degree)
 
 
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
@@ -358,75 +411,71 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
     Args:
         mesh: a mesh in 2D.
         fronts: lines through the contact fronts of one time.
-        but: the numbers of the cells for which no rule is returned, (n,).
+        but: whether a cell gets no rule, (cells,).
         degree: degree of the rules.
     """
-    left = np.ones(mesh.t.shape[1], dtype=bool)
-    left[but] = False
+    across = partial(graded, count=degree // 2 + 2)
+    remaining = ~but
     for direction in dict.fromkeys(front.direction for front in fronts):
         parallel = [front for front in fronts if front.direction == direction]
-        met = np.zeros((len(parallel), len(left)), dtype=bool)
-        for mine, front in zip(met, parallel, strict=True):
-            mine[_touching(mesh, front)] = True
-        met &= left
+        met = remaining & [_touching(mesh, front) for front in parallel]
         for pattern in np.unique(met[:, met.any(axis=0)], axis=1).T:
             cells = np.flatnonzero((met == pattern[:, None]).all(axis=0))
-            first, *others = (front for front, one in zip(parallel, pattern, strict=True) if one)
-            offsets = [0.0, *(front.offset - first.offset for front in others)]
-            yield _slab_rule(mesh, cells, first, offsets, partial(graded, count=degree // 2 + 2), degree)
-        left &= ~met.any(axis=0)
+            yield _slab_rule(mesh, cells, [*compress(parallel, pattern)], across, degree)
+        remaining &= ~met.any(axis=0)
 
 
 def _slab_rule(
     mesh: Mesh,
     cells: Array,
-    line: Line,
-    offsets: Sequence[float],
+    lines: Sequence[Line],
     across: Callable[[Array, Array], PointsAndWeights],
     degree: int,
 ) -> CellRule:
-    """Return a quadrature rule on triangles that are cut into slabs parallel to a line.
+    """Return a quadrature rule on triangles that are cut into slabs by parallel lines.
 
-    Let s be the signed distance from the line and r the coordinate along it. The slabs end at the vertices of a
-    triangle and at the values ``offsets`` of s. In each slab a rule in s is combined with a Gauss rule in r.
+    Let s be the signed distance from the first line and r the coordinate along it. The slabs end at the vertices of a
+    triangle and at the lines. In each slab a rule in s is combined with a Gauss rule in r.
 
     Args:
         mesh: a mesh in 2D.
         cells: numbers of the n cells.
-        line: the line s = 0.
-        offsets: the values of s of further cuts.
-        across: function from the ends of a slab, (n, 1) each, to points and weights of a rule in s, (n, p) each.
+        lines: the lines, with equal directions.
+        across: function from the ends of k slabs of every cell, (n, k, 1) each, to points and weights of a rule in s,
+            (n, k, p) each.
         degree: degree of the rule in r.
     """
+    line = lines[0]
     corners = mesh.p[:, mesh.t[:, cells]]
-    s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
-    r = np.einsum("d,dvn->vn", line.tangent, corners)
+    s = line.distance(corners)
+    r = np.tensordot(line.tangent, corners, axes=1)
+    # The vertices of a cell in the order of their distances, (3, n, 1, 1).
     order = np.argsort(s, axis=0)
-    s = np.take_along_axis(s, order, 0)
-    r = np.take_along_axis(r, order, 0)
+    s = np.take_along_axis(s, order, axis=0)[..., None, None]
+    r = np.take_along_axis(r, order, axis=0)[..., None, None]
+    cuts = [np.clip(parallel.offset - line.offset, s[0], s[2]) for parallel in lines]
+    ends = np.concatenate(np.sort([*s, *cuts], axis=0), axis=1)
+    x, weights = across(ends[:, :-1], ends[:, 1:])
 
-    def chord(x: Array, low: int, high: int) -> Array:
-        """Return the coordinate r of the point with s = x on the edge between two vertices, (n, p)."""
+    def chord(low: int, high: int) -> Array:
+        """Return the coordinates r of the points with s = x on the edge between two vertices, (n, k, p)."""
         length = s[high] - s[low]
-        slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
-        return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
+        change = r[high] - r[low]
+        slope = np.divide(change, length, out=np.zeros_like(length), where=length > 0)
+        return np.asarray(r[low] + slope * (x - s[low]))
 
-    ends = np.sort(np.vstack([s, *(np.clip(c, s[0], s[2]) for c in offsets)]), axis=0)
+    long = chord(0, 2)
+    # Which edges bound the slab is decided by its last point, because rounding can put the first point outside the
+    # slab.
+    short = np.where(x[..., -1:] <= s[1], chord(0, 1), chord(1, 2))
+    width = short - long
     eta, we = gauss(degree // 2 + 2)
-    slabs = []
-    for left, right in pairwise(ends[..., None]):
-        x, weights = across(left, right)
-        long = chord(x, 0, 2)
-        # Which edges bound the slab is decided by its last point, because rounding can put the first point outside the
-        # slab.
-        short = np.where(x[:, -1:] <= s[1][:, None], chord(x, 0, 1), chord(x, 1, 2))
-        along = long[..., None] + (short - long)[..., None] * eta
-        weights = (weights * abs(short - long))[..., None] * we
-        slabs.append([part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), along, weights)])
-    s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
-    normal = np.array(line.direction)[:, None, None]
-    tangent = line.tangent[:, None, None]
-    return CellRule(cells, normal * (s + line.offset) + tangent * r, weights)
+    along = long[..., None] + width[..., None] * eta
+    distances = np.broadcast_to(x[..., None], along.shape)
+    coordinates = np.stack([line.offset + distances, along]).reshape(2, len(cells), -1)
+    axes = np.transpose([line.direction, line.tangent])
+    weights = (weights * abs(width))[..., None] * we
+    return CellRule(cells, mapped(axes, coordinates), weights.reshape(len(cells), -1))
 
 
 # Quadrature rules that together cover every cell once. Many of their points share their coordinate along a contact
@@ -463,24 +512,22 @@ def cell_rules(
     special = rough_cells(mesh, lines, points)
     made = [partial(cut_rule, mesh, line=line, degree=degree) for line in lines]
     made += [partial(fan_rule, mesh, point=point, degree=degree) for point in points]
-    rules = [rule(cells=cells) for cells, rule in zip(special, made, strict=True) if cells.size]
-    ordinary = np.ones(mesh.t.shape[1], dtype=bool)
-    ordinary[np.concatenate([*special, np.empty(0, dtype=int)])] = False
-    cells = np.flatnonzero(ordinary)
+    rules = [rule(cells=np.flatnonzero(met)) for met, rule in zip(special, made, strict=True) if met.any()]
+    ordinary = np.flatnonzero(~special.any(axis=0))
     barycentric, weights = simplex_rule(mesh.dim(), degree)
     volumes = cell_volumes(mesh)[:, None]
     gradients = barycentric_gradients(mesh) if along else None
-    for block in (cells[start : start + CELLS_IN_RULE] for start in range(0, cells.size, CELLS_IN_RULE)):
-        x = placed(mesh.p, mesh.t[:, block], barycentric)
+    for cells in np.split(ordinary, range(CELLS_IN_RULE, ordinary.size, CELLS_IN_RULE)):
+        x = placed(mesh.p, mesh.t[:, cells], barycentric)
         shares = weights
         if gradients is not None:
-            x, shares = shared(mesh.p[:, mesh.t[:, block]], gradients[block], barycentric, weights, along)
-        rules.append(CellRule(block, x, volumes[block] * shares))
+            x, shares = shared(x, gradients[cells], barycentric, weights, along)
+        rules.append(CellRule(cells, x, volumes[cells] * shares))
     return rules
 
 
 def shared(
-    corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
+    points: Points, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
 ) -> PointsAndWeights:
     """Move the points of a quadrature rule on triangles so that few different distances to given lines occur.
 
@@ -493,26 +540,26 @@ def shared(
     degree that this number of weights permits, which is 2 for six points.
 
     Args:
-        corners: the vertices of the triangles, (2, 3, n).
+        points: the points of the original rule on n triangles, (2, n, q).
         gradients: the gradients of the barycentric coordinates, ∇λ_i, (n, 3, 2).
-        barycentric, weights: the original rule, (3, q) and (q,) with sum 1.
+        barycentric, weights: barycentric coordinates, (3, q), and weights with sum 1, (q,), of the original rule.
         lines: one or two lines, not parallel.
 
     Returns:
         The moved points, (2, n, q), and their weights, (n, q), with sum 1 on every triangle.
     """
-    points = np.einsum("dvn,vq->dnq", corners, barycentric)
     moves = np.linalg.pinv(np.array([line.direction for line in lines])).T
     limit = min(LARGEST_SHIFT, float(barycentric.min()) / 2) / len(moves)
-    new = np.broadcast_to(barycentric[:, None], (3, *points.shape[1:]))
+    new = barycentric[:, None]
     for line, move in zip(lines, moves, strict=True):
         slopes = gradients @ move
         # The spacing δ is chosen such that no barycentric coordinate λ_i changes by more than the limit: moving a point
         # by δ/2 along the normal m of the line changes λ_i by half of δ ∇λ_i·m.
-        spacing = np.exp2(np.floor(np.log2(2 * limit / abs(slopes).max(axis=1)) + TIE))[:, None]
-        along = np.einsum("d,dnq->nq", line.direction, points) - line.offset
-        shift = np.rint(along / spacing) * spacing - along
-        points = points + move[:, None, None] * shift
+        largest = 2 * limit / abs(slopes).max(axis=1)
+        spacing = np.exp2(np.floor(np.log2(largest) + TIE))[:, None]
+        distances = line.distance(points)
+        shift = np.rint(distances / spacing) * spacing - distances
+        points = points + np.multiply.outer(move, shift)
         new = new + slopes.T[..., None] * shift
     return points, weights + _correction(new, weights)
 
@@ -526,18 +573,13 @@ def _correction(barycentric: Array, weights: Array) -> Array:
         barycentric: the moved points of n triangles, (3, n, q).
         weights: the original weights, (q,).
     """
-    degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
-    # The monomials λ^α with |α| = degree span the polynomials of this degree. Their mean values on a triangle follow
-    # from ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
-    monomials = np.array([(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)])
-    integrals = 2 * factorial(monomials).prod(axis=1) / factorial(degree + 2)
-    products = np.ones((barycentric.shape[1], len(monomials), len(weights)))
-    for lam, exponents in zip(barycentric, monomials.T, strict=True):
-        powers = lam[:, None] ** np.arange(degree + 1)[:, None]
-        products *= powers[:, exponents]
-    missing = integrals - products @ weights
-    multipliers = np.linalg.solve((products * weights) @ np.swapaxes(products, 1, 2), missing[..., None])
-    return weights * (np.swapaxes(multipliers, 1, 2) @ products)[:, 0]
+    degree = (isqrt(8 * len(weights) + 1) - 3) // 2
+    shapes = np.moveaxis(bernstein(degree, barycentric), 1, 0)
+    # All Bernstein polynomials have the same mean value on a triangle, and their sum is 1.
+    missing = 1 / shapes.shape[1] - shapes @ weights
+    gram = (shapes * weights) @ shapes.swapaxes(1, 2)
+    multipliers = np.linalg.solve(gram, missing[..., None])
+    return weights * (multipliers.swapaxes(1, 2) @ shapes)[:, 0]
 
 
 Amplitudes = Array
@@ -619,7 +661,7 @@ class QuadraturePoints:
         numbered like the cells.
         """
         return cls(
-            np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
+            np.hstack([rule.points.reshape(len(rule.points), -1) for rule in rules]),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
             np.concatenate([rule.weights.ravel() for rule in rules]),
             sum(len(rule.cells) for rule in rules),
@@ -643,9 +685,9 @@ class QuadraturePoints:
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
         x = part.point(rule.s)
         weights = rule.shapes * rule.weights
-        copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
-        sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
-        return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
+        copies = np.tile(x.reshape(len(x), -1), len(weights))
+        sums = np.repeat(sums, weights.shape[2])
+        return cls(copies, sums, weights.ravel(), len(vertices)), vertices
 
     def adding(self, weights: Array) -> sps.csr_array:
         """Return the matrix that maps values at the n points to the weighted sums, (count, n).
@@ -653,7 +695,8 @@ class QuadraturePoints:
         Args:
             weights: the weights of the points, (n,), for example ``self.weights`` times a material factor.
         """
-        return sps.csr_array((weights, (self.sums, np.arange(len(weights)))), shape=(self.count, len(weights)))
+        points = np.arange(len(weights))
+        return sps.csr_array((weights, (self.sums, points)), shape=(self.count, len(weights)))
 
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
@@ -687,7 +730,7 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
     """
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
-    columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
+    columns = [sps.kron(E[:, None], shape) for E, shape in zip(tensors, shapes, strict=True)]
     return sps.csr_array(sps.hstack(columns))
 
 
@@ -710,7 +753,8 @@ class StrainSums:
         width = sum(len(part.tensors) * part.count for part in modes)
         for shape in shapes_at_points(modes, count):
             sums = add @ shape
-            blocks.append(sps.csr_array((sums.data, sums.indices + first, sums.indptr), shape=(points.count, width)))
+            shifted = sums.data, sums.indices + first, sums.indptr
+            blocks.append(sps.csr_array(shifted, shape=(points.count, width)))
             first += shape.shape[1]
         # ``block_diag`` would need twice the memory.
         self._matrix = sps.vstack(blocks, format="csr")
@@ -780,7 +824,9 @@ class StrainEnergy:
         strain = strain_matrix(modes, len(weights))
         form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
         self._strain: sps.csr_array | None = None
-        if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
+        of_form = sum(len(part.tensors) ** 2 * part.count for part in modes)
+        of_strain = sum(part.shapes.size for part in modes)
+        if of_form > MANY * of_strain:
             self._strain = strain
             self._form = form
         else:

@@ -23,6 +23,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 
 import numpy as np
 import scipy.sparse as sps
@@ -100,7 +101,8 @@ class Displacements(MeshedBody, ABC):
                 components = abs(part.normal) > 0.5 if kind is Kind.ROLLER else np.ones(self.dim, dtype=bool)
                 where = np.ix_(numbers, components)
                 fixed[where] = True
-                values[where] = part.prescribed(self.nodes[:, numbers]).T[:, components]
+                prescribed = part.prescribed(self.nodes[:, numbers])
+                values[where] = prescribed[components].T
         return fixed.ravel(), values.ravel()
 
     @property
@@ -153,22 +155,23 @@ class Displacements(MeshedBody, ABC):
 
         Args:
             stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point, (D,
-                cells). For n stresses there is one more axis, the last.
+                cells).
 
         Returns:
-            (dofs,), or (dofs, n) for n stresses.
+            (dofs,).
         """
-        inner = self.weights.ndim
-        return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
+        return self.tested(self.weights * stress)
 
     def tested(self, integrals: Tensors) -> Array:
         """Return the virtual work (σ, ε(φ_i))_Q of a stress σ for every basis function φ_i, (dofs,).
 
         Args:
             integrals: the integrals of the stress σ over the cells, (D, cells), or quadrature weights times σ at the
-                points, (D, cells, points).
+                points, (D, cells, points). For n stresses there is one more axis, the last, and the result is (dofs,
+                n).
         """
-        return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
+        several = integrals.shape[1 + self.weights.ndim :]
+        return self._transposed @ integrals.reshape(-1, *several)
 
     @cached_property
     def _transposed(self) -> sps.csr_array:
@@ -193,14 +196,14 @@ class Displacements(MeshedBody, ABC):
         If a function belongs to two parts with the same normal, it is listed for the first part only. The rows of the
         constraint matrix ``N`` have the same order.
         """
-        held = np.ones((self.count, self.dim), dtype=bool)
-        held.ravel()[self.free] = False
-        found: list[tuple[Part, Array]] = []
+        held = self._held[0].reshape(-1, self.dim)
+        contact: list[tuple[Part, Array]] = []
         for part in self.body.of(Kind.CONTACT):
-            same = [numbers for other, numbers in found if np.allclose(other.normal, part.normal)]
             fixed = np.flatnonzero(held[:, abs(part.normal) > COMPONENT].all(axis=1))
-            found.append((part, np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *same]))))
-        return found
+            listed = [numbers for earlier, numbers in contact if np.allclose(earlier.normal, part.normal)]
+            numbers = np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *listed]))
+            contact.append((part, numbers))
+        return contact
 
     @cached_property
     def N(self) -> sps.csr_array:
@@ -218,10 +221,10 @@ class Displacements(MeshedBody, ABC):
         Args:
             on: pairs of a boundary part, whose normal is used, and the numbers of n basis functions, (n,).
         """
-        # Bodies without contact have no array to concatenate, so each list starts with an empty array.
-        normals = [np.empty((0, self.dim)), *(np.tile(part.normal, (len(numbers), 1)) for part, numbers in on)]
-        numbers = np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in on)])
-        return sps.csr_array(self._rows(np.concatenate(normals)[:, None], numbers[:, None])[:, self.free])
+        # Bodies without contact have no normal, so the shape is given.
+        normals = np.array([part.normal for part, numbers in on for _ in numbers]).reshape(-1, 1, self.dim)
+        columns = np.array([number for _, numbers in on for number in numbers], dtype=np.int64)
+        return sps.csr_array(self._rows(normals, columns[:, None])[:, self.free])
 
     def _matrix(self, values: Array, numbers: Array) -> sps.csr_array:
         """Return the matrix of ``_rows`` without stored zeros and without the columns for the clamped boundary Γ1."""
@@ -241,10 +244,11 @@ class Displacements(MeshedBody, ABC):
         """
         # A product with a sparse matrix reads as many indices as values, so 32-bit indices are used where they suffice.
         index = sps.get_index_dtype(maxval=max(values.size, self.dim * self.count))
-        columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape).astype(index)
-        width = values.shape[-2] * values.shape[-1]
-        starts = np.arange(0, values.size + 1, width, dtype=index)
-        return sps.csr_array((values.ravel(), columns.ravel(), starts), shape=(len(starts) - 1, self.dim * self.count))
+        of_numbers = self.dim * numbers[..., None] + np.arange(self.dim)
+        columns = np.broadcast_to(of_numbers, values.shape).astype(index)
+        starts = np.arange(0, values.size + 1, prod(values.shape[-2:]), dtype=index)
+        shape = (len(starts) - 1, self.dim * self.count)
+        return sps.csr_array((values.ravel(), columns.ravel(), starts), shape=shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -327,10 +331,10 @@ def means(space: Space, factor: Factor) -> Array:
     """
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
-    found = np.empty(len(space.volumes))
+    integrals = np.empty(len(space.volumes))
     for rule in cell_rules(space.mesh, FACTOR_DEGREE, [Line(*step) for step in factor.steps]):
-        found[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1) / space.volumes[rule.cells]
-    return found
+        integrals[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1)
+    return integrals / space.volumes
 
 
 def form(space: Space, tensor: Elasticity) -> sps.csc_array:
@@ -408,7 +412,7 @@ class Quadratic(Displacements):
     @cached_property
     def weights(self) -> Array:
         """The quadrature weights |T|/3 at the three points of every cell T, (cells, 3)."""
-        return np.multiply.outer(self.volumes, self.rule[1])
+        return np.outer(self.volumes, self.rule[1])
 
     @cached_property
     def E(self) -> sps.csr_array:
@@ -427,7 +431,8 @@ class Quadratic(Displacements):
         """
         slopes = np.moveaxis(barycentric_gradients(self.mesh)[cells], 1, 0)[:, :, None]
         at = barycentric[..., None]
-        return np.stack([c * (at[a] * slopes[b] + at[b] * slopes[a]) for a, b, c in FACTORS], axis=2)
+        products = [c * (at[a] * slopes[b] + at[b] * slopes[a]) for a, b, c in FACTORS]
+        return np.stack(products, axis=2)
 
     def strains(self, barycentric: Array) -> sps.csr_array:
         """Return the matrix from a displacement to its strain at q points of every cell, (3 · cells · q, dofs).
@@ -435,7 +440,8 @@ class Quadratic(Displacements):
         Args:
             barycentric: the barycentric coordinates of the points, (3, q).
         """
-        values = np.einsum("Ijk,cqik->Icqij", basis(2), self.gradients(barycentric[:, None]), optimize=True)
+        gradients = self.gradients(barycentric[:, None])
+        values = np.einsum("Ijk,cqik->Icqij", basis(2), gradients, optimize=True)
         return self._matrix(values, self.numbers.T[:, None])
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
@@ -450,5 +456,6 @@ class Quadratic(Displacements):
             Strains in Mandel form, (3, n, q).
         """
         local = self.coefficients(v)[self.numbers[:, cells]]
-        gradients = self.gradients(barycentric(self.mesh, cells, points), cells)
+        at = barycentric(self.mesh.p, self.mesh.t[:, cells], points)
+        gradients = self.gradients(at, cells)
         return mandel(np.einsum("inj,nqik->jknq", local, gradients))

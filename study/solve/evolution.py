@@ -464,24 +464,18 @@ class ContactStep:
         return float(np.max(parts))
 
 
-def norm(problem: SemiDiscrete, v: Array) -> float:
-    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a discrete displacement v, with the viscosity A.
+def norm(problem: SemiDiscrete, v: Array) -> Any:
+    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of discrete displacements v, with the viscosity A.
 
     Args:
         problem: the semi-discrete problem, which has the matrix of this norm.
-        v: the unknowns of v, (dofs,).
+        v: the unknowns of one displacement, (dofs,), or of several, (number, dofs).
+
+    Returns:
+        One norm, or the norms of several displacements, (number,).
     """
-    return math.sqrt(max(v @ (problem.M @ v), 0.0))
-
-
-def norms(problem: SemiDiscrete, v: Array) -> Array:
-    """Return the norms ‖v‖_V of several discrete displacements v, (number, dofs) → (number,).
-
-    Args:
-        problem: the semi-discrete problem, which has the matrix of this norm.
-        v: the displacements, one in each row.
-    """
-    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
+    squares = np.sum(v.T * (problem.M @ v.T), axis=0)
+    return np.sqrt(abs(squares))
 
 
 def histories(states: Iterable[State]) -> tuple[Array, Array]:
@@ -553,4 +547,4 @@ def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
         problem: the semi-discrete problem, which gives the norm.
         one, other: the displacements v_n and w_n, (steps + 1, unknowns) each.
     """
-    return float(norms(problem, one - other).max())
+    return float(norm(problem, one - other).max())

@@ -50,9 +50,8 @@ class Cholesky:
     def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = (), x: Points | None = None) -> None:
         # SuperLU's minimum degree order needs no points.
         order = np.argsort(superlu(S, "MMD_AT_PLUS_A").perm_c) if x is None else nested_dissection(S, x)
-        at_end = np.zeros(len(order), dtype=bool)
-        at_end[np.asarray(last, dtype=np.int64)] = True
-        self.order = np.concatenate([order[~at_end[order]], order[at_end[order]]])
+        at_end = np.isin(order, last)
+        self.order = np.concatenate([order[~at_end], order[at_end]])
         factors = superlu(S[self.order][:, self.order])
         pivots = factors.U.diagonal()
         if not ((pivots > 0).all() and np.array_equal(factors.perm_r, np.arange(len(order)))):
@@ -121,27 +120,36 @@ def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
     """
     count = x.shape[1]
     several = S.shape[0] // count
-    one, other = (places // several for places in S.tocoo().coords)
+    first, second = (unknowns // several for unknowns in S.tocoo().coords)
     key = np.zeros(count, dtype=np.int64)
-    inside = np.arange(count)
+    divisible = np.arange(count)
     for _ in range(max(int(np.ceil(np.log2(count / LEAF))), 0)):
-        joined = key[one] == key[other]
-        one = one[joined]
-        other = other[joined]
-        inside = inside[np.argsort(key[inside], kind="stable")]
-        starts = np.flatnonzero(np.diff(key[inside], prepend=-1))
-        sizes = np.diff(starts, append=len(inside))
-        extents = np.maximum.reduceat(x[:, inside], starts, axis=1) - np.minimum.reduceat(x[:, inside], starts, axis=1)
-        y = x[np.repeat(extents.argmax(axis=0), sizes), inside]
-        medians = y[np.lexsort((y, key[inside]))][starts + sizes // 2]
+        # Couplings between different parts are no longer needed.
+        coupled = key[first] == key[second]
+        first = first[coupled]
+        second = second[coupled]
+        # The points of a part become consecutive; ``part`` is the number of the part of each point.
+        divisible = divisible[np.argsort(key[divisible], kind="stable")]
+        is_first = np.diff(key[divisible], prepend=-1) != 0
+        starts = np.flatnonzero(is_first)
+        part = np.cumsum(is_first) - 1
+        points = x[:, divisible]
+        extents = np.maximum.reduceat(points, starts, axis=1) - np.minimum.reduceat(points, starts, axis=1)
+        longest = extents.argmax(axis=0)
+        y = x[longest[part], divisible]
+        middles = (starts + np.append(starts[1:], len(y))) // 2
+        medians = y[np.lexsort((y, part))][middles]
         half = np.zeros(count, dtype=np.int64)
-        half[inside] = y >= np.repeat(medians, sizes)
-        cut = half[one] < half[other]
+        half[divisible] = y >= medians[part]
+        # The separator is on the side with fewer points that are coupled to the other side.
+        cut = half[first] < half[second]
         sides = np.zeros((2, count), dtype=bool)
-        sides[0, one[cut]] = sides[1, other[cut]] = True
-        smaller = np.add.reduceat(sides[:, inside], starts, axis=1, dtype=np.int64).argmin(axis=0)
-        separating = np.zeros(count, dtype=bool)
-        separating[inside] = sides[np.repeat(smaller, sizes), inside]
-        key = 3 * key + np.where(separating, 2, half)
-        inside = inside[~separating[inside]]
+        sides[0, first[cut]] = True
+        sides[1, second[cut]] = True
+        smaller = np.add.reduceat(sides[:, divisible], starts, axis=1, dtype=np.int64).argmin(axis=0)
+        separates = sides[smaller[part], divisible]
+        digits = half
+        digits[divisible[separates]] = 2
+        key = 3 * key + digits
+        divisible = divisible[~separates]
     return np.argsort(np.repeat(key, several), kind="stable")

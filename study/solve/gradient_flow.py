@@ -38,11 +38,12 @@ paper/time.tex.
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from manufactured.tensors import Array
-from study.solve.evolution import ContactStep, SemiDiscrete, norm, norms
+from study.solve.evolution import ContactStep, SemiDiscrete, norm
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
@@ -85,8 +86,8 @@ class EulerBounds:
         """
         between = self.loads[i] - self.loads[j]
         represented = self.representers[i] - self.representers[j]
-        root: Array = np.sqrt(np.maximum(np.sum(between * represented, axis=-1), 0))
-        return root
+        squares = np.sum(between * represented, axis=-1)
+        return np.asarray(np.sqrt(np.maximum(squares, 0)))
 
     @cached_property
     def variation(self) -> float:
@@ -120,8 +121,9 @@ class EulerBounds:
         """
         grid = np.arange(len(self.loads))
         ahead = np.repeat(nodes[1:], np.diff(nodes))
-        away = np.maximum(self.distance(ahead, grid[:-1]), self.distance(ahead, grid[1:]))
-        return np.add.reduceat(away, nodes[:-1]) * self.interval
+        of_starts = self.distance(ahead, grid[:-1])
+        of_ends = self.distance(ahead, grid[1:])
+        return np.add.reduceat(np.maximum(of_starts, of_ends), nodes[:-1]) * self.interval
 
     @cached_property
     def first(self) -> float:
@@ -147,8 +149,10 @@ class EulerBounds:
         half = self.kappa * self.problem.T / 2
         longest = float(steps.max())
         product = float(np.prod(1 / (1 - self.growth * steps)))
-        terms = (1 / math.sqrt(2) + half) * self.first + (2 + half) * self.variation
-        return longest * product / (1 - self.growth * longest) * terms
+        factor = longest * product / (1 - self.growth * longest)
+        of_start = (1 / math.sqrt(2) + half) * self.first
+        of_load = (2 + half) * self.variation
+        return factor * (of_start + of_load)
 
     def by_solution(self, nodes: Array, states: Array) -> float:
         """Return the bound of the error of backward Euler that is computed from its solution.
@@ -162,11 +166,14 @@ class EulerBounds:
         rates = np.diff(states, axis=0) / steps[:, None]
         viscous = (problem.M @ rates.T).T
         elastic = np.array([problem.elastic(u) for u in states[1:]])
-        work = np.sum((self.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
-        speeds = norms(problem, rates)
-        growth = np.exp(self.growth * (problem.T - nodes[:-1] * self.interval))
-        root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
-        return root + float(np.sum(growth * (self.delays(nodes) + self.kappa * steps**2 * speeds / 2)))
+        contact_forces = self.loads[nodes[1:]] - elastic - viscous
+        work = np.sum(contact_forces * rates, axis=1)
+        remaining = problem.T - nodes[:-1] * self.interval
+        growth = np.exp(self.growth * remaining)
+        square = float(np.sum((growth * steps) ** 2 * work))
+        of_elasticity = self.kappa * steps**2 * norm(problem, rates) / 2
+        rest = float(np.sum(growth * (self.delays(nodes) + of_elasticity)))
+        return math.sqrt(max(square, 0.0)) + rest
 
     def piecewise_constant(self, nodes: Array) -> float:
         """Return the error bound for the piecewise constant function that is U_n on (t_{n−1}, t_n].
@@ -176,7 +183,8 @@ class EulerBounds:
         Args:
             nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
         """
-        return self.by_data(nodes) + self.interval * float(np.diff(nodes).max()) * self.fastest
+        longest = self.interval * float(np.diff(nodes).max())
+        return self.by_data(nodes) + longest * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
         """Return the error bound from the solution of backward Euler, for a gradient flow and equal steps.
@@ -193,7 +201,9 @@ class EulerBounds:
         rates = np.vstack([self.start, np.diff(states, axis=0) / k])
         forces = self.loads[::every] - (self.problem.M @ rates.T).T
         total = float(np.sum(np.diff(forces, axis=0) * rates[1:]))
-        return float(self.delays(np.arange(0, len(self.loads), every)).sum()) + k * math.sqrt(max(total, 0.0))
+        nodes = np.arange(0, len(self.loads), every)
+        delay = float(self.delays(nodes).sum())
+        return delay + k * math.sqrt(max(total, 0.0))
 
 
 def backward_euler(problem: SemiDiscrete, times: Array) -> Array:
@@ -211,7 +221,8 @@ def backward_euler(problem: SemiDiscrete, times: Array) -> Array:
     """
     states = [problem.initial()]
     steps = dict[float, ContactStep]()
-    for begin, end, load in zip(times[:-1], times[1:], problem.load(times[1:]).T, strict=True):
+    loads = problem.load(times[1:]).T
+    for (begin, end), load in zip(pairwise(times), loads, strict=True):
         # Step sizes are rounded, so that steps of equal size share one factorisation.
         k = round(end - begin, 12)
         if k not in steps:

@@ -134,11 +134,14 @@ class Multigrid:
                 self.w = w
                 return self.basis @ w, self.forces * forces[self.bounded]
             if wrong.any():
-                fewest, patience = (wrong.sum(), PATIENCE) if wrong.sum() < fewest else (fewest, patience - 1)
+                count = wrong.sum()
+                patience = PATIENCE if count < fewest else patience - 1
+                fewest = min(count, fewest)
                 if patience <= 0:
                     wrong[: np.flatnonzero(wrong)[-1]] = False
                 self.hold(self.held ^ wrong)
-            w, wrong = self._corrected(w, r, max(REDUCTION if patience > 0 else 0, aim / defect / 2))
+            reduction = REDUCTION if patience > 0 else 0.0
+            w, wrong = self._corrected(w, r, max(reduction, aim / defect / 2))
         raise MultigridError(
             f"the contact solver has a relative residual of {defect / aim * self.tolerance:.2g} after {CORRECTIONS} "
             f"corrections, more than the tolerance {self.tolerance:g}: rounding may allow no less, so take a larger one"
@@ -174,7 +177,8 @@ class Multigrid:
         w = w + z
         values = w[self.bounded]
         w[self.bounded] = np.minimum(values, self.highest)
-        return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
+        forces = (r - self.A @ z)[self.bounded]
+        return w, np.where(self.held, forces <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
         """Apply the preconditioner, a symmetric V-cycle, to a residual that is 0 on the unknowns held at their bounds.
@@ -186,7 +190,8 @@ class Multigrid:
             return r
         x = np.zeros_like(r)
         self.finest.presmoother(self.cut, x, r)
-        x += self.free * (self.finest.P @ self.coarse(self.finest.R @ (r - self.cut @ x)))
+        residual = self.finest.R @ (r - self.cut @ x)
+        x += self.free * (self.finest.P @ self.coarse(residual))
         self.finest.postsmoother(self.cut, x, r)
         return x
 

@@ -247,13 +247,12 @@ class Programme:
 
         by_cells = np.arange(D * cells).reshape(D, cells).T.ravel()
         B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E[by_cells])
-        equilibrium = sps.csr_array(sps.kron(sps.eye_array(cells), potential.stress)).T @ B
-        in_cones = sps.csr_array(sps.kron(sps.eye_array(cells), np.eye(p)[p - potential.cone :]))
-        blocks = potential.quadratic / self.compliance
-        of_cells = sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
-        hessian = sps.block_diag([of_cells, sps.csr_array((m, m))])
+        every_cell = sps.eye_array(cells)
+        balance = B.T @ sps.kron(every_cell, potential.stress, format="csr")
+        in_cones = sps.kron(every_cell, np.eye(p)[p - potential.cone :])
+        hessian = sps.block_diag([*potential.quadratic / self.compliance, sps.csr_array((m, m))])
         # Clarabel expects the form: min ½ xᵀPx + qᵀx subject to Ax + s = b, with s in a product of cones.
-        constraints = sps.block_array([[equilibrium.T, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
+        constraints = sps.block_array([[balance, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
         cones += [clarabel.SecondOrderConeT(potential.cone)] * (cells if potential.cone else 0)
         cones += [clarabel.NonnegativeConeT(m)]
@@ -281,8 +280,8 @@ class Programme:
         dofs = self.dofs
         potential = self.potential
         # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
-        size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
-        unit = size or 1.0
+        of_strain = np.linalg.norm(self.root * old) / self.compliance
+        unit = float(np.linalg.norm(load) + of_strain) or 1.0
         # The linear term of the potential is the released strain, followed by (r, 0) for the entries (ρ, z) of y.
         released = potential.released(old)
         rest = np.zeros((potential.cone, cells))
@@ -305,7 +304,7 @@ class Programme:
         y = x.reshape(cells, -1).T / self.root
         # The duality gap is the sum of products of slacks and multipliers. They lie in dual cones, so no term is
         # negative, and no digits cancel.
-        gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
+        gap = unit**2 * self.compliance * np.dot(solution.s, solution.z)
         strain = released + _act(potential.compliance, y[: len(old)])
         return StressState(time, potential.stress @ y, strain, u, multipliers, gap)
 

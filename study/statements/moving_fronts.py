@@ -21,7 +21,7 @@ from study.fem.space import Space, form
 from study.ledger.check import MIN_LEVELS, Groups, accuracy, consequence, identity
 from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete, furthest, histories, norms, path
+from study.solve.evolution import SemiDiscrete, furthest, histories, norm, path
 from study.solve.factorisation import Cholesky
 from study.solve.gradient_flow import EulerBounds
 from study.solve.signorini import Signorini
@@ -86,11 +86,11 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
     middles = (states[1:] + states[:-1]) / 2
     loads = problem.load(MIDPOINT.balanced(np.arange(1, steps + 1), k)).T
     g = Cholesky(problem.M)(loads - [problem.elastic(u) for u in middles])
-    speed = norms(problem, velocities).max()
-    variation = norms(problem, np.diff(g, axis=0)).sum()
-    constant = speed * (2 * variation + speed / 2 + norms(problem, g - velocities).max())
+    speed = norm(problem, velocities).max()
+    variation = norm(problem, np.diff(g, axis=0)).sum()
+    constant = speed * (2 * variation + speed / 2 + norm(problem, g - velocities).max())
     # jumps[i, j] is the distance of the velocities in the steps i and j.
-    jumps = np.array([norms(problem, velocities - velocity) for velocity in velocities])
+    jumps = np.array([norm(problem, velocities - velocity) for velocity in velocities])
     quotients = []
     for count in 2 ** np.arange(1, int(np.log2(steps / 4)) + 1):
         shifted = [np.sum(np.diagonal(jumps, shift)[: steps - count] ** 2) for shift in range(count + 1)]
@@ -109,8 +109,8 @@ def euler_quotient(flow: EulerBounds, states: Array) -> float:
         states: the displacements U_0, …, U_N, (N + 1, dofs).
     """
     rates = np.vstack([flow.start, np.diff(states, axis=0) / flow.interval])
-    jumps = norms(flow.problem, np.diff(rates, axis=0))
-    speeds = norms(flow.problem, rates[1:])
+    jumps = norm(flow.problem, np.diff(rates, axis=0))
+    speeds = norm(flow.problem, rates[1:])
     growth = flow.kappa * flow.interval * speeds.sum()
     return float(jumps @ jumps / (flow.first**2 + 2 * speeds.max() * (flow.variation + growth)))
 

@@ -75,9 +75,9 @@ from manufactured.law import Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, ErrorNorm, rules
-from study.fem.mesh import Graded, size
+from study.fem.mesh import Graded, barycentric, size
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import gauss, rule_on
+from study.fem.quadrature import bernstein, gauss, rule_on
 from study.fem.space import Space, on_cells
 from study.ledger.check import Check, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row
@@ -96,7 +96,7 @@ from study.statements.shared.meshes import ALONG, CELL_POWER
 from study.statements.shared.scope import Scope
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.loads import Projection
-from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein
+from study.stresses.stress_space import StressSpace, alfeld_split
 
 
 class Gaps(NamedTuple):
@@ -426,10 +426,11 @@ class Exact:
 
     def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
         self.space = space
-        mesh, corners = alfeld_split(space.mesh)
+        mesh, vertices = alfeld_split(space.mesh)
         self._blocks = []
         for rule in rules(solution, mesh, max(CELL_DEGREE, 2 * space.degree)):
-            shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
+            local = barycentric(mesh.p, vertices[:, rule.cells], rule.points)
+            shapes = bernstein(space.degree, local)
             best = Projection(shapes, rule.weights)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
         self.inside = solution.at(space.points)

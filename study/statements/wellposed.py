@@ -43,7 +43,7 @@ from study.fem.space import Space, form, on_cells
 from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Check, Groups, consequence, identity, paper_claim
 from study.ledger.quantities import change, finest, ratios
 from study.ledger.window import Window, around, at_most, between, positive_at_most
-from study.solve.evolution import FIXED_POINT, SemiDiscrete, furthest, norm, norms, path
+from study.solve.evolution import FIXED_POINT, SemiDiscrete, furthest, norm, path
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import ContactSolution, Signorini
 from study.solve.stress_problem import Accuracy, settings
@@ -195,7 +195,7 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
         steps: the number of time steps.
     """
     increments = np.diff(path(problem, BACKWARD_EULER, steps), axis=0)
-    return float(norms(problem, increments).max()) * steps / problem.T
+    return float(norm(problem, increments).max()) * steps / problem.T
 
 
 # Theorem 2.2: continuous dependence on f and u_0.
@@ -273,7 +273,7 @@ def quotients(problem: SemiDiscrete, states: Array, other: SemiDiscrete) -> Arra
     steps = len(states) - 1
     riesz = Cholesky(problem.M)
     times = time_nodes(problem.T, steps)[1:]
-    distances = norms(problem, states - path(other, BACKWARD_EULER, steps))
+    distances = norm(problem, states - path(other, BACKWARD_EULER, steps))
     loads = dual_norm((other.load(times) - problem.load(times)).T, riesz)
     return distances[1:] / (distances[0] + problem.T / steps * np.cumsum(loads))
 
@@ -305,7 +305,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]
     rng = np.random.default_rng(SEED)
     riesz = Cholesky(problem.M)
     onto = Signorini(problem.M, problem.N)
-    load = norms(problem, riesz(problem.load(np.linspace(0, problem.T, 9)).T)).max()
+    load = norm(problem, riesz(problem.load(np.linspace(0, problem.T, 9)).T)).max()
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in PERTURBATION_SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
@@ -621,7 +621,7 @@ class OneTrajectory(ListedNumbers):
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.problem
         states = np.array([state.u for state in setup.march(setup.steps)])
-        size = norms(problem, states).max()
+        size = norm(problem, states).max()
         numbers = {
             name: furthest(problem, states, path(rival, setup.scheme, setup.steps)) / size
             for name, rival in rivals(problem).items()

@@ -89,47 +89,57 @@ class Equilibrium:
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space = space
         # Tensors at points are stored component by component, because ``act`` is then several times faster.
-        self.compliance = np.moveaxis(np.moveaxis(compliance, (-2, -1), (0, 1)).copy(), (0, 1), (-2, -1))
-        try:
-            stiffness = np.linalg.inv(space.gram(compliance))
-        except np.linalg.LinAlgError as error:
-            raise MeshError(_too_thin(space.mesh, compliance)) from error
-        # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
-        # p).
-        R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
-        # Let c be the coefficients of a stress with Div τ = 0. Both matrices return c, followed by its tractions R c.
-        # The first matrix acts on a functional on these stresses, the second one on moments m, which give the
-        # functional Rᵀm.
-        self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
-        self._of_moments = R @ self._of_strains
-        self._tractions = slice(stiffness.shape[-1], None)
-        n = space.degree + 1
+        by_component = np.moveaxis(compliance, (-2, -1), (0, 1)).copy()
+        self.compliance = np.moveaxis(by_component, (0, 1), (-2, -1))
+        self.contact = space.edges_on(Kind.CONTACT)
         edges = space.mesh.facets.shape[1]
-        # The moments are numbered edge by edge, on an edge by Bernstein polynomial, and for a polynomial by component.
+        n = space.degree + 1
         self.total = 2 * n * edges
-        self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
-        free = np.ones((edges, 2 * n), dtype=bool)
-        free[space.edges_on(Kind.CLAMPED)] = False
+        # The moments are numbered edge by edge, on an edge by Bernstein polynomial, and for a polynomial by component.
+        moments = np.arange(self.total).reshape(edges, n, 2)
+        self.numbers = moments[space.edges].reshape(space.cells, -1)
         # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
         rollers = space.edges_on(Kind.ROLLER)
-        free[rollers, ::2] = False
-        self.free = np.flatnonzero(free.ravel())
-        self.contact = space.edges_on(Kind.CONTACT)
+        clamped = space.edges_on(Kind.CLAMPED)
+        fixed = np.append(moments[clamped], moments[rollers, :, 0])
+        self.free = np.delete(moments, fixed)
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
-        self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
-        self.N = sps.csr_array(sps.eye_array(len(self.free), format="csr")[self._normal])
-        local = self._of_moments[..., self._tractions]
-        rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
-        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
-        full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
-        S = sps.csc_array(full[self.free][:, self.free])
-        self.S = sps.csc_array((S + S.T) / 2)
+        self._normal = np.searchsorted(self.free, moments[self.contact, :, 0].ravel())
+        # With rollers, the edges have different numbers of unknowns.
+        every = 1 if rollers.size else 2 * n
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
+        points = midpoints[:, self.free[::every] // (2 * n)]
+        N = sps.csr_array(sps.eye_array(len(self.free), format="csr")[self._normal])
         try:
-            # With rollers, the edges have different numbers of unknowns.
-            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers.size else 2 * n] // (2 * n)])
+            self._eliminate_stresses(compliance)
+            self.S = self._matrix_of_moments()
+            self.solve = solver(self.S, N, points)
         except np.linalg.LinAlgError as error:
             raise MeshError(_too_thin(space.mesh, compliance)) from error
+
+    def _eliminate_stresses(self, compliance: Array) -> None:
+        """Compute the matrices that eliminate the stresses with Div τ = 0 on every cell.
+
+        Both matrices return the p coefficients c of a stress with Div τ = 0, followed by its tractions R c. The first
+        matrix acts on a functional on these stresses, the second one on moments m, which give the functional Rᵀm.
+        """
+        stiffness = np.linalg.inv(self.space.gram(compliance))
+        cells, p, _ = stiffness.shape
+        # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
+        # p).
+        R = self.space.tractions.reshape(cells, -1, p)
+        self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
+        self._of_moments = R @ self._of_strains
+        self._tractions = slice(p, None)
+
+    def _matrix_of_moments(self) -> sps.csc_array:
+        """Return the matrix S of the problem for the unknown moments."""
+        of_cells = self._of_moments[..., self._tractions]
+        rows = np.broadcast_to(self.numbers[:, :, None], of_cells.shape)
+        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
+        full = sps.csc_array((of_cells.ravel(), places), shape=(self.total, self.total))
+        S = sps.csc_array(full[self.free][:, self.free])
+        return sps.csc_array((S + S.T) / 2)
 
     def __call__(self, loads: Loads, strain: Tensors) -> EquilibratedStress:
         """Return the stress τ of least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q that balances the loads.
@@ -141,7 +151,7 @@ class Equilibrium:
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, act(self.compliance, values) + strain)
         v, _ = self.solve(g)
-        return self._joined(values, tractions, known, v, v)
+        return self._joined(values, tractions, known, v)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
         """Return the stress τ that balances the loads and is nearest to a given stress in the norm of C⁻¹.
@@ -156,15 +166,17 @@ class Equilibrium:
                 boundary Γ3, (..., edges of Γ3, n), all ≤ 0. The edges have the order of the attribute ``contact``.
 
         Returns:
-            The stress τ, except that its ``values`` are the difference τ − target.
+            The stress τ, except that its ``values`` are the difference τ − target, and its ``moments`` the difference
+            of the Lagrange multipliers and ``normal``.
         """
         values, tractions = self.space.lift(loads.force)
         values -= target
         known, g = self._condensed(loads, tractions, act(self.compliance, values))
         shift = np.zeros_like(g)
-        shift[..., self._normal] = normal.reshape(*g.shape[:-1], -1)
+        several = g.shape[:-1]
+        shift[..., self._normal] = normal.reshape(*several, -1)
         v, _ = self.solve(g + shift @ self.S)
-        return self._joined(values, tractions, known, v, v - shift)
+        return self._joined(values, tractions, known, v - shift)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
         """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0.
@@ -173,8 +185,7 @@ class Equilibrium:
         """
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, act(self.compliance, values))
-        v = self.solve.factor(g)
-        return self._joined(values, tractions, known, v, v)
+        return self._joined(values, tractions, known, self.solve.factor(g))
 
     def _condensed(self, loads: Loads, tractions: Array, strain: Tensors) -> tuple[Array, Array]:
         """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
@@ -190,31 +201,32 @@ class Equilibrium:
             6 n). The second is the right-hand side of the problem for the moments, (..., unknown moments).
         """
         joined = _times(self.space.tested(strain), self._of_strains)
-        of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
+        *several, cells, _ = joined.shape
+        of_cells = tractions.reshape(*several, cells, -1) - joined[..., self._tractions]
         numbers = self.numbers.ravel()
-        several = of_cells.shape[:-2]
         sums = [np.bincount(numbers, each, self.total) for each in of_cells.reshape(-1, numbers.size)]
-        g = loads.surface.reshape(*several, -1) - np.reshape(sums, (*several, -1))
+        of_edges = np.reshape(sums, loads.surface.shape)
+        g = (loads.surface - of_edges).reshape(*several, -1)
         return joined, g[..., self.free]
 
-    def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array, shifted: Array) -> EquilibratedStress:
+    def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array) -> EquilibratedStress:
         """Return the stress of least energy, from the solution of the problem for the moments.
 
         Args:
             values, tractions: a stress that is in equilibrium only inside each cell, as in ``EquilibratedStress``.
             known: the first result of ``_condensed``.
-            v: the moments.
-            shifted: the moments v minus the given moments ``normal``.
+            v: the moments, minus the given moments ``normal`` if there are any.
         """
         # The moments of all edges are the unknown ones, and zeros on Γ1.
-        all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
-        all_shifted[..., self.free] = shifted
+        several = v.shape[:-1]
+        moments = np.zeros((*several, self.total))
         moments[..., self.free] = v
-        corrections = _times(all_shifted[..., self.numbers], self._of_moments) - known
+        corrections = _times(moments[..., self.numbers], self._of_moments) - known
+        of_tractions = corrections[..., self._tractions].reshape(tractions.shape)
         return EquilibratedStress(
             values + self.space.combined(corrections[..., : self._tractions.start]),
-            tractions + corrections[..., self._tractions].reshape(tractions.shape),
-            moments.reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
+            tractions + of_tractions,
+            moments.reshape(*several, -1, self.space.degree + 1, 2),
         )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
@@ -232,9 +244,11 @@ class Equilibrium:
 def _too_thin(mesh: Mesh, compliance: Array) -> str:
     """Return the message for a mesh on which stresses cannot be computed, because of thin triangles or a stiff law."""
     corners = mesh.p[:, mesh.t]
-    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
-    ratios = lengths**2 / (2 * cell_volumes(mesh))
-    x = ", ".join(f"{c:.4g}" for c in corners[:, :, ratios.argmax()].mean(axis=1))
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=0).max(axis=0)
+    ratios = longest**2 / (2 * cell_volumes(mesh))
+    centre = corners[:, :, ratios.argmax()].mean(axis=1)
+    x = ", ".join(f"{c:.4g}" for c in centre)
     return (
         "the stresses on this mesh cannot be computed in double precision: the triangle near "
         f"x = ({x}) is {ratios.max():.3g} times as long as high, and the law is {np.linalg.cond(compliance).max():.3g} "
@@ -257,8 +271,10 @@ def act(C: Array, strain: Tensors) -> Tensors:
 
 def _times(vectors: Array, matrices: Array) -> Array:
     """Multiply a row vector by a matrix on every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
-    rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
-    return np.moveaxis(rows @ matrices, 1, 0).reshape(*vectors.shape[:-1], -1)
+    *several, cells, p = vectors.shape
+    rows = np.moveaxis(vectors.reshape(-1, cells, p), 0, 1)
+    products = np.moveaxis(rows @ matrices, 1, 0)
+    return products.reshape(*several, cells, -1)
 
 
 class EquilibriumError(ValueError):
@@ -295,7 +311,9 @@ def tensor_at(C: Linear, x: Array) -> Array:
     """
     if C.factor is UNIFORM:
         return C.matrix
-    return np.moveaxis(np.multiply.outer(C.matrix, C.factor(x)), (0, 1), (-2, -1))
+    # Component by component in memory, for ``act``.
+    by_component = np.multiply.outer(C.matrix, C.factor(x))
+    return np.moveaxis(by_component, (0, 1), (-2, -1))
 
 
 @dataclass(frozen=True, eq=False)

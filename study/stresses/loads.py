@@ -20,17 +20,19 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
+from study.fem.mesh import barycentric
 from study.fem.quadrature import (
     CellRule,
     Line,
     amplitudes_of,
+    bernstein,
     cell_rules,
     facet_rule,
     rough_cells,
     sliced_rules,
     strain_matrix,
 )
-from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein, triangle_mass
+from study.stresses.stress_space import StressSpace, alfeld_split, triangle_mass
 
 LEAST_FORCE_DEGREE = 4
 """Least degree of the quadrature rule for the body force f_0 on a subtriangle of a cell.
@@ -125,10 +127,10 @@ class ProjectedLoads:
     def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
         self.space = space
         self.data = data
-        self._thirds, self._corners = alfeld_split(space.mesh)
+        self._thirds, self._vertices = alfeld_split(space.mesh)
         self._degree = max(LEAST_FORCE_DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
-        self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
+        self._cut = np.any(rough_cells(self._thirds, self._lines, data.points), axis=0)
         self._inverse_mass = np.linalg.inv(triangle_mass(space.degree))
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
 
@@ -139,11 +141,11 @@ class ProjectedLoads:
     def _block(self, rule: CellRule) -> _Block:
         mesh = self.space.mesh
         degree = self.space.degree
-        # Not ``fem.mesh.barycentric``, because the mesh sorts the vertices of its cells.
-        local = barycentric(self._corners[:, :, rule.cells], rule.points)
+        # The vertices are not ``self._thirds.t``, because the mesh sorts them.
+        in_thirds = barycentric(self._thirds.p, self._vertices[:, rule.cells], rule.points)
         # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
-        cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
-        return _Block(rule, bernstein(degree - 1, local), bernstein(degree, barycentric(cells, rule.points)))
+        in_cells = barycentric(mesh.p, mesh.t[:, rule.cells // 3], rule.points)
+        return _Block(rule, bernstein(degree - 1, in_thirds), bernstein(degree, in_cells))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
@@ -184,8 +186,9 @@ class ProjectedLoads:
         of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
         low_order = (of_cells * (self._inverse_mass @ of_cells)).sum(axis=(1, 2)) / space.volumes
         high_order = squares.reshape(-1, 3).sum(axis=1) - low_order
-        low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, high_order))
-        return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
+        low, high = np.sqrt(np.maximum([low_order, high_order], 0.0))
+        loads = Loads(force.reshape(space.cells, 3, -1, 2), surface)
+        return Snapshot(loads, LeftOut(low, high, on_edges))
 
 
 class Projection:
@@ -252,12 +255,15 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
-    rates, strains = (amplitudes_of(part) for part in (modes.viscous, modes.elastic))
-    viscous, elastic = (strain_matrix(part, x[0].size) for part in (modes.viscous, modes.elastic))
+    rates = amplitudes_of(modes.viscous)
+    strains = amplitudes_of(modes.elastic)
+    viscous = strain_matrix(modes.viscous, x[0].size)
+    elastic = strain_matrix(modes.elastic, x[0].size)
 
     def force(time: float) -> Vectors:
         now = np.array([time])
-        return (viscous @ rates(now, True) + elastic @ strains(now, False)).reshape(x.shape)
+        total = viscous @ rates(now, True) + elastic @ strains(now, False)
+        return total.reshape(x.shape)
 
     return force
 
@@ -267,13 +273,13 @@ class _Edges:
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
         # The positions at which the part crosses lines where the data are not smooth.
-        places = []
+        crossings = []
         for direction, offset in data.lines:
             slope = np.dot(direction, part.tangent)
-            start = np.dot(direction, part.start)
-            if abs(slope) > PARALLEL_LINE and 0 < (offset - start) / slope < part.measure:
-                places.append(float((offset - start) / slope))
-        crossings = tuple(sorted(places))
+            if abs(slope) > PARALLEL_LINE:
+                s = (offset - np.dot(direction, part.start)) / slope
+                if 0 < s < part.measure:
+                    crossings.append(s)
         points, divisions = (GRADED_POINTS, 1) if crossings else (EDGE_POINTS, EDGE_PARTS)
         rule = facet_rule(space.mesh, edges, part, crossings, points, divisions)
         self.edges = edges

@@ -37,15 +37,14 @@ from scipy.linalg import null_space
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import bernstein, indices, simplex_rule
 from study.stresses.loads import LeftOut
 from study.stresses.stress_space import (
     REFERENCE_CORNERS,
     SIDES,
     StressSpace,
-    bernstein,
     composite,
-    indices,
+    interval_mass,
     piola,
     thirds,
     triangle_mass,
@@ -53,7 +52,7 @@ from study.stresses.stress_space import (
 
 CELLS_AT_A_TIME = 256
 """Number of cells for which ``cell_constants`` are computed at a time, which limits the memory."""
-CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
+CHILDREN = np.stack([*((np.eye(3) + vertex) / 2 for vertex in np.eye(3)), (1 - np.eye(3)) / 2])
 """The vertices of the four similar triangles of half the size into which a triangle is divided, (4, 3 vertices, 3).
 
 They are given in barycentric coordinates of the triangle.
@@ -73,9 +72,9 @@ class DividedTriangle:
     Attributes:
         inner: the matrix from unknowns to the jumps of tractions across the three sides of the middle child,
             (equations, unknowns). The jumps are 0 if tractions are continuous.
-        outer: the matrix from unknowns to the tractions |ê| σν on the boundary of the reference triangle, (3, 2, k + 1,
-            2, unknowns). Axes: side, half of the side, Bernstein coefficient, component, unknown. |ê| is the length of
-            the half.
+        outer: the matrix from unknowns to the tractions |ê| σν on the boundary of the reference triangle, (3, 2 · (k +
+            1) · 2, unknowns). The first axis is the side. Row order: half of the side (2), Bernstein coefficient (k +
+            1), component (2). |ê| is the length of the half.
         divergence: the matrix from unknowns to the Bernstein coefficients of the divergence, (4 · 3 · coefficients · 2,
             unknowns). Row order: child (4), subtriangle (3), Bernstein polynomial of degree k − 1, component (2).
         values: the matrix from unknowns to the values of the stress in Mandel form at the points of a quadrature rule,
@@ -85,10 +84,9 @@ class DividedTriangle:
 
     def __init__(self, degree: int) -> None:
         element = composite(degree)
-        space = element.space.reshape(-1, element.space.shape[-1])
-        size = space.shape[1]
-        of_child = element.tractions.reshape(3, degree + 1, 2, -1) @ space / 2
-        jumps = np.zeros((3, degree + 1, 2, 4, size))
+        size = element.space.shape[-1]
+        of_child = np.tensordot(element.tractions, element.space, axes=3) / 2
+        jumps = np.zeros((*of_child.shape[:3], 4, size))
         outer = np.zeros((3, 2, degree + 1, 2, 4, size))
         for side, traction in enumerate(of_child):
             # The second traction is reversed, because the two children run through their common side in opposite
@@ -98,13 +96,13 @@ class DividedTriangle:
             for half, child in enumerate(SIDES[side]):
                 outer[side, half, :, :, child] = traction
         self.inner = jumps.reshape(-1, 4 * size)
-        self.outer = outer.reshape(3, 2, degree + 1, 2, -1)
-        divergence = element.divergence.reshape(-1, space.shape[0]) @ space
+        self.outer = outer.reshape(3, -1, 4 * size)
+        divergence = np.tensordot(element.divergence, element.space, axes=3).reshape(-1, size)
         self.divergence = np.kron(np.diag([2.0, 2.0, 2.0, -2.0]), divergence)
         barycentric, weights = simplex_rule(2, 2 * degree)
-        at = bernstein(degree, barycentric).T
-        at_points = np.einsum("qa,taJp->tqJp", at, element.space).reshape(-1, 3, size)
-        self.values = np.einsum("ab,pJu->apJbu", np.eye(4), at_points).reshape(-1, 3, 4 * size)
+        at_points = np.einsum("aq,taJp->tqJp", bernstein(degree, barycentric), element.space)
+        values = np.einsum("cd,tqJp->ctqJdp", np.eye(4), at_points)
+        self.values = values.reshape(-1, 3, 4 * size)
         self.weights = np.tile(weights / 24, 12)
 
 
@@ -129,17 +127,19 @@ def restriction(degree: int, corners: Array) -> Array:
 class BalancingStresses:
     """Stresses on the divided reference triangle that balance any of the loads in a space of dimension r.
 
+    The first p of the stresses are a basis of those that balance the load 0. They are followed by one stress for each
+    load of a basis of the loads.
+
     Attributes:
-        free: a basis of p stresses that balance the load 0, at quadrature points, (points, 3, p).
-        lifts: for each load of the basis one stress that balances it, (points, 3, r).
-        weights: the weights of the quadrature points, (points,).
-        loads: the integrals ∫ d_i d'_j of the components of any two loads d, d' of the basis, (r, r, 2, 2).
+        p: the number p.
+        products: the integrals ∫ σ_I σ'_J of the Mandel components of any two stresses σ, σ', (3, 3, p + r, p + r).
+        gram: the integrals of the products of any two of the scalar loads, each of which is applied in both coordinate
+            directions, (r/2, r/2).
     """
 
-    free: Array
-    lifts: Array
-    weights: Array
-    loads: Array
+    p: int
+    products: Array
+    gram: Array
 
     @classmethod
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
@@ -159,8 +159,9 @@ class BalancingStresses:
         onto = balanced @ admissible
         free = admissible @ null_space(onto, rcond=DEPENDENT)
         lifts = admissible @ np.linalg.pinv(onto, rcond=DEPENDENT) @ np.kron(loads, np.eye(2))
-        products = np.einsum("vw,ai,bj->vawbij", gram, np.eye(2), np.eye(2)).reshape(2 * len(gram), -1, 2, 2)
-        return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
+        values = divided.values @ np.hstack([free, lifts])
+        products = np.einsum("qIp,qJr,q->IJpr", values, values, divided.weights, optimize=True)
+        return cls(free.shape[1], products, gram)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
         """Return for each triangle x = F x̂ + b the largest ratio ‖τ‖_{A⁻¹}/‖load‖ over all loads, (cells,).
@@ -176,16 +177,16 @@ class BalancingStresses:
                 and 1/|e| for tractions on a side of length |e|.
         """
         push = piola(F)
-        metric = push.swapaxes(1, 2) @ compliance @ push * abs(np.linalg.det(F))[:, None, None]
-        every = np.concatenate([self.free, self.lifts], axis=2)
-        products = np.einsum("qIp,qJr,q->IJpr", every, every, self.weights, optimize=True)
-        energy = np.tensordot(metric, products, axes=2)
-        p = self.free.shape[2]
-        coupling = np.linalg.solve(energy[:, :p, :p], energy[:, :p, p:])
-        least = energy[:, p:, p:] - energy[:, p:, :p] @ coupling
-        size = np.einsum("c,cij,cik,rsjk->crs", scale, F, F, self.loads, optimize=True)
-        inverse = np.linalg.inv(np.linalg.cholesky(size))
-        return np.sqrt(np.linalg.eigvalsh(inverse @ least @ inverse.swapaxes(1, 2))[:, -1])
+        areas = abs(np.linalg.det(F))[:, None, None]
+        metric = areas * (push.swapaxes(1, 2) @ compliance @ push)
+        energy = np.tensordot(metric, self.products, axes=2)
+        free, lifts = np.split(energy, [self.p], axis=1)
+        coupling = np.linalg.solve(free[..., : self.p], free[..., self.p :])
+        least = lifts[..., self.p :] - lifts[..., : self.p] @ coupling
+        of_loads = np.einsum("c,vw,cab->cvawb", scale, self.gram, F.swapaxes(1, 2) @ F)
+        inverse = np.linalg.inv(np.linalg.cholesky(of_loads.reshape(least.shape)))
+        ratios = np.linalg.eigvalsh(inverse @ least @ inverse.swapaxes(1, 2))
+        return np.sqrt(ratios[:, -1])
 
 
 @lru_cache
@@ -196,12 +197,12 @@ def balancing_in_cell(q: int) -> BalancingStresses:
     degree q on the whole triangle.
     """
     divided = DividedTriangle(q + 1)
-    third = np.concatenate([restriction(q, corners) for corners in np.moveaxis(thirds(np.eye(3)), 2, 0).swapaxes(1, 2)])
     mass = np.kron(np.eye(4), triangle_mass(q) / 8)
-    whole = np.vstack([restriction(q, corners) for corners in CHILDREN])
-    rest = null_space(whole.T @ mass, rcond=DEPENDENT)
-    loads = np.kron(np.eye(4), third) @ rest
-    zero = np.vstack([divided.inner, divided.outer.reshape(-1, divided.inner.shape[1])])
+    on_children = np.vstack([restriction(q, corners) for corners in CHILDREN])
+    rest = null_space(on_children.T @ mass, rcond=DEPENDENT)
+    on_thirds = np.vstack([restriction(q, corners) for corners in thirds(np.eye(3)).T])
+    loads = np.kron(np.eye(4), on_thirds) @ rest
+    zero = np.vstack([divided.inner, *divided.outer])
     return BalancingStresses.of(divided, zero, divided.divergence, loads, rest.T @ mass @ rest)
 
 
@@ -216,22 +217,20 @@ def balancing_on_side(side: int) -> BalancingStresses:
         side: the number of the side, which is opposite to the vertex with this number.
     """
     divided = DividedTriangle(2)
-    unknowns = divided.inner.shape[1]
-    others = np.delete(divided.outer, side, axis=0).reshape(-1, unknowns)
-    zero = np.vstack([divided.inner, others, divided.divergence])
+    zero = np.vstack([divided.inner, *np.delete(divided.outer, side, axis=0), divided.divergence])
     # This matrix converts end values to Bernstein coefficients of degree 2: a linear function with the end values c_0,
     # c_1 has the coefficients c_0, (c_0 + c_1)/2, c_1.
     raised = np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
     # Functions are given by their end values on the two halves. The columns of ``rest`` are orthogonal to the linear
     # functions on the side.
-    mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
-    linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
+    mass = np.kron(np.eye(2), interval_mass(1, 1) / 2)
+    linear = raised[[0, 1, 1, 2]]
     rest = null_space(linear.T @ mass, rcond=DEPENDENT)
     loads = np.kron(np.eye(2), raised) @ rest
-    balanced = divided.outer[side].reshape(-1, unknowns)
+    gram = rest.T @ mass @ rest
     # |ê| t̂ on a half is the traction t̂ times half of the length of the side, so the traction on the side is twice |ê|
     # t̂, and squares are multiplied by 4.
-    return BalancingStresses.of(divided, zero, balanced, loads, 4 * (rest.T @ mass @ rest))
+    return BalancingStresses.of(divided, zero, divided.outer[side], loads, 4 * gram)
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
@@ -249,14 +248,23 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
     size = np.sqrt(abs(np.linalg.det(F)))
     # The vertices are sorted by the lengths of the opposite sides.
     corners = F @ REFERENCE_CORNERS
-    opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
-    corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
-    shapes = ((corners[:, :, 1:] - corners[:, :, :1]) / size[:, None, None]).reshape(-1, 4)
-    leading = np.take_along_axis(shapes, abs(shapes).argmax(axis=1)[:, None], axis=1)
-    shapes, where = np.unique(np.round(shapes * np.sign(leading), 12), axis=0, return_inverse=True)
-    blocks = np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // CELLS_AT_A_TIME))
-    constants = [balancing_in_cell(q).constants(block, compliance, 1 / abs(np.linalg.det(block))) for block in blocks]
-    return np.sqrt(4 / 3) * np.concatenate(constants)[where] * size
+    sides = np.roll(corners, 1, axis=2) - np.roll(corners, -1, axis=2)
+    opposite = np.linalg.norm(sides, axis=1)
+    order = np.argsort(opposite, axis=1, kind="stable")
+    corners = np.take_along_axis(corners, order[:, None], axis=2)
+    maps = corners[:, :, 1:] - corners[:, :, :1]
+    # The sign is chosen such that the largest entry is positive, which removes half turns.
+    entries = maps.reshape(-1, 4) / size[:, None]
+    largest = abs(entries).argmax(axis=1)
+    signs = np.sign(np.take_along_axis(entries, largest[:, None], axis=1))
+    shapes, shape_of_cell = np.unique(np.round(entries * signs, 12), axis=0, return_inverse=True)
+    stresses = balancing_in_cell(q)
+    constants = []
+    count = max(1, len(shapes) // CELLS_AT_A_TIME)
+    for block in np.array_split(shapes.reshape(-1, 2, 2), count):
+        scale = 1 / abs(np.linalg.det(block))
+        constants.append(stresses.constants(block, compliance, scale))
+    return np.sqrt(4 / 3) * np.concatenate(constants)[shape_of_cell] * size
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
@@ -270,9 +278,9 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
         compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
         side: the number of the side, which is opposite to the vertex with this number.
     """
-    a, b = SIDES[side]
-    length = np.linalg.norm(F @ (REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a]), axis=1)
-    return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / length)
+    start, end = REFERENCE_CORNERS.T[[*SIDES[side]]]
+    lengths = np.linalg.norm(F @ (end - start), axis=1)
+    return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / lengths)
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
@@ -291,9 +299,9 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
     """
     loaded = space.edges_on(Kind.LOADED)
     sides = []
-    for side in range(len(SIDES)):
-        cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))
-        sides.append((cells, space.edges[cells, side], side_constants(space.map[cells], compliance, side)))
+    for side, edges in enumerate(space.edges.T):
+        cells = np.flatnonzero(np.isin(edges, loaded))
+        sides.append((cells, edges[cells], side_constants(space.map[cells], compliance, side)))
     return sides
 
 
@@ -318,14 +326,14 @@ class Oscillation:
     """
 
     def __init__(self, space: StressSpace, compliance: Array, low: float = 1.0) -> None:
-        root = np.sqrt(low)
-        self._cells = [cell_constants(space.map, compliance, q) / root for q in (space.degree - 1, space.degree)]
-        self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
+        # With the factor α ≥ ``low`` the inverse viscosity is at most the given one, divided by ``low``.
+        compliance = compliance / low
+        self._low, self._high = (cell_constants(space.map, compliance, space.degree + i) for i in (-1, 0))
+        self._sides = loaded_sides(space, compliance)
 
     def __call__(self, left_out: LeftOut) -> Array:
         """Return the oscillation η_T of every cell, (cells,), from norms of the part of the loads that P leaves out."""
-        low, high = self._cells
-        total = low * left_out.low_order + high * left_out.high_order
+        total = self._low * left_out.low_order + self._high * left_out.high_order
         for cells, edges, constants in self._sides:
             total[cells] += constants * left_out.on_edges[edges]
         return total

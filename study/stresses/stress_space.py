@@ -30,16 +30,15 @@ for plane elasticity, Numer. Math. 45 (1984) 1–22.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import factorial, prod
 
 import numpy as np
 from scipy.linalg import null_space
-from skfem import Mesh, MeshTri
+from skfem import Mesh
 
 from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis
-from study.fem.mesh import MeshedBody, MeshError
-from study.fem.quadrature import PointsAndWeights, gauss, simplex_rule
+from study.fem.mesh import MeshedBody, MeshError, affine_maps, facet_measures, simplicial_mesh
+from study.fem.quadrature import PointsAndWeights, bernstein, gauss, indices, simplex_rule
 
 REFERENCE_CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """Vertices of the reference triangle as columns, (2, 3)."""
@@ -48,39 +47,6 @@ SIDES = ((1, 2), (2, 0), (0, 1))
 
 The vertices of subtriangle i are the two vertices of side i and the barycentre.
 """
-
-
-def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
-    """Return the multi-indices α ≥ 0 with |α| = degree, which number the Bernstein polynomials of this degree.
-
-    They are tuples of integers, in descending lexicographic order.
-
-    Args:
-        degree: the degree.
-        variables: the number of entries of α, which is the number of barycentric coordinates: 2 on an edge, 3 on a
-            triangle.
-    """
-    if variables == 1:
-        return [(degree,)]
-    return [(first, *rest) for first in range(degree, -1, -1) for rest in indices(degree - first, variables - 1)]
-
-
-def bernstein(degree: int, barycentric: Array) -> Array:
-    """Return the values of all Bernstein polynomials of a degree at points, in the order of ``indices``.
-
-    Args:
-        degree: the degree of the polynomials.
-        barycentric: barycentric coordinates of the points, (v, ...), with v = 2 on an edge and 3 on a triangle.
-
-    Returns:
-        The values, (polynomials, ...).
-    """
-
-    def polynomial(alpha: tuple[int, ...]) -> Array:
-        powers = (x**a for x, a in zip(barycentric, alpha, strict=True))
-        return factorial(degree) / prod(map(factorial, alpha)) * prod(powers)
-
-    return np.array([polynomial(alpha) for alpha in indices(degree, len(barycentric))])
 
 
 def interval_mass(degree: int, other: int) -> Array:
@@ -93,8 +59,8 @@ def interval_mass(degree: int, other: int) -> Array:
         The integrals, (degree + 1, other + 1).
     """
     x, weights = gauss((degree + other) // 2 + 1)
-    first, second = (bernstein(k, np.array([1 - x, x])) for k in (degree, other))
-    return (first * weights) @ second.T
+    barycentric = np.array([1 - x, x])
+    return (bernstein(degree, barycentric) * weights) @ bernstein(other, barycentric).T
 
 
 def triangle_mass(degree: int) -> Array:
@@ -145,11 +111,12 @@ class CompositeElement:
         upper = indices(k)
         matrix = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(REFERENCE_CORNERS), 2, 0)):
-            slopes = np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]
-            for vertex, gradient in enumerate(slopes):
+            inverse = np.linalg.inv(np.vstack([np.ones(3), vertices]))
+            for vertex, gradient in enumerate(inverse[:, 1:]):
+                of_tensors = k * (basis(2) @ gradient).T
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
-                    matrix[third, row, :, third, upper.index(alpha)] += k * np.einsum("Iij,j->iI", basis(2), gradient)
+                    matrix[third, row, :, third, upper.index(alpha)] += of_tensors
         return matrix
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
@@ -167,11 +134,11 @@ class CompositeElement:
         polynomials = indices(self.degree)
         matrix = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         normal = np.array([along[1], -along[0]])
-        for step in range(self.degree + 1):
+        traction = (basis(2) @ normal).T
+        for row, ends in enumerate(indices(self.degree, 2)):
             alpha = [0, 0, 0]
-            alpha[first] = self.degree - step
-            alpha[second] = step
-            matrix[step, :, third, polynomials.index(tuple(alpha))] = np.einsum("Iij,j->iI", basis(2), normal)
+            alpha[first], alpha[second] = ends
+            matrix[row, :, third, polynomials.index(tuple(alpha))] = traction
         return matrix
 
     @cached_property
@@ -181,12 +148,13 @@ class CompositeElement:
         The stresses of the element are the ones without jumps. The shape is (equations; 3, polynomials, 3). Row axis:
         all coefficients of the jumps, 3 (k + 1) · 2. Column axes: subtriangle, Bernstein polynomial, Mandel component.
         """
-        rows = []
-        for vertex in range(3):
-            along = REFERENCE_CORNERS[:, vertex] - REFERENCE_CORNERS.mean(axis=1)
-            beside = ((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)
-            rows.append(sum(sign * self._on_edge(i, SIDES[i].index(vertex), 2, along) for i, sign in beside))
-        return np.concatenate(rows).reshape(-1, 3, self.polynomials, 3)
+        jumps = []
+        for vertex, corner in enumerate(REFERENCE_CORNERS.T):
+            along = corner - REFERENCE_CORNERS.mean(axis=1)
+            sides = (vertex + 1) % 3, (vertex + 2) % 3
+            left, right = (self._on_edge(i, SIDES[i].index(vertex), 2, along) for i in sides)
+            jumps.append(left - right)
+        return np.concatenate(jumps).reshape(-1, 3, self.polynomials, 3)
 
     @cached_property
     def tractions(self) -> Array:
@@ -196,12 +164,11 @@ class CompositeElement:
         polynomials, 3). Row axes: side, Bernstein coefficient, traction component. Column axes: subtriangle, Bernstein
         polynomial, Mandel component.
         """
-        return np.array(
-            [
-                self._on_edge(i, 0, 1, REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a])
-                for i, (a, b) in enumerate(SIDES)
-            ]
-        )
+        tractions = []
+        for side, (a, b) in enumerate(SIDES):
+            along = REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a]
+            tractions.append(self._on_edge(side, 0, 1, along))
+        return np.array(tractions)
 
     @cached_property
     def space(self) -> Array:
@@ -219,11 +186,13 @@ class CompositeElement:
         The shape is (3, polynomials, 3; dimension). Row axes: subtriangle, Bernstein polynomial, Mandel component.
         Column axis: number of the basis stress.
         """
-        return self._without(np.concatenate([self.jumps, self.divergence.reshape(-1, *self.jumps.shape[1:])]))
+        divergence = self.divergence.reshape(-1, *self.jumps.shape[1:])
+        return self._without(np.concatenate([self.jumps, divergence]))
 
     def _without(self, defects: Array) -> Array:
         """Return a basis of the stresses for which all given defects, (defects; 3, polynomials, 3), are zero."""
-        return null_space(defects.reshape(len(defects), -1)).reshape(3, self.polynomials, 3, -1)
+        stresses = null_space(defects.reshape(len(defects), -1))
+        return stresses.reshape(*defects.shape[1:], -1)
 
     @cached_property
     def lift(self) -> Array:
@@ -233,9 +202,9 @@ class CompositeElement:
         Bernstein polynomial of degree k, Mandel component. Column axes: subtriangle, Bernstein polynomial of degree k −
         1, vector component.
         """
-        space = self.space.reshape(-1, self.space.shape[-1])
-        inverse = space @ np.linalg.pinv(self.divergence.reshape(-1, len(space)) @ space)
-        return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
+        divergence = np.tensordot(self.divergence, self.space, axes=3)
+        inverse = np.linalg.pinv(divergence.reshape(-1, divergence.shape[-1]))
+        return np.tensordot(self.space, inverse.reshape(-1, *divergence.shape[:3]), axes=1)
 
 
 @lru_cache
@@ -259,7 +228,8 @@ def piola(F: Array) -> Array:
         F: the matrices of the affine maps from the reference triangle to the cells.
     """
     E = basis(2)
-    pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / np.linalg.det(F)[:, None, None, None]
+    determinants = np.linalg.det(F)[:, None, None, None]
+    pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / determinants
     return np.einsum("Iil,cJil->cIJ", E, pushed)
 
 
@@ -269,36 +239,23 @@ def thirds(corners: Points) -> Points:
     The shape is (2, 3, ...) → (2, 3, 3, ...). Axes of the argument: coordinate, vertex. Axes of the result: coordinate,
     vertex, subtriangle.
     """
-    centre = corners.mean(axis=1)
-    return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
+    centre = corners.mean(axis=1, keepdims=True)
+    vertices = np.concatenate([corners, centre], axis=1)
+    return np.stack([vertices[:, [*side, 3]] for side in SIDES], axis=2)
 
 
-def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
+def alfeld_split(mesh: Mesh) -> tuple[Mesh, Array]:
     """Divide every cell of a mesh into three subtriangles, each with one side of the cell and the barycentre.
 
     Returns:
-        The mesh of all subtriangles, three consecutive ones for each cell; and the coordinates of their vertices,
-        (2, 3, 3 · cells). Axes: coordinate, vertex, subtriangle.
+        The mesh of all subtriangles, three consecutive ones for each cell, which sorts the vertices of its cells; and
+        the numbers of the vertices of every subtriangle in the order of ``thirds``, (3, 3 · cells).
     """
-    vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
-    cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
-    points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])
-    return MeshTri(points, np.ascontiguousarray(cells)), points[:, cells]
-
-
-def barycentric(corners: Points, x: Points) -> Array:
-    """Return the barycentric coordinates of q points in each of n triangles.
-
-    Args:
-        corners: the vertices of the triangles, (2, 3, n).
-        x: the points, (2, n, q).
-
-    Returns:
-        The barycentric coordinates, (3, n, q).
-    """
-    edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
-    first = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
-    return np.concatenate([first, 1 - first.sum(axis=0, keepdims=True)])
+    centres = mesh.p[:, mesh.t].mean(axis=1)
+    numbers = mesh.p.shape[1] + np.arange(mesh.t.shape[1])
+    vertices = np.vstack([mesh.t, numbers])
+    cells = np.stack([vertices[[*side, 3]] for side in SIDES], axis=2).reshape(3, -1)
+    return simplicial_mesh(np.hstack([mesh.p, centres]), cells), cells
 
 
 LEAST_DEGREE = 4
@@ -340,8 +297,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def map(self) -> Array:
         """The matrices F of the affine maps x = F x̂ + b from the reference triangle to the cells, (cells, 2, 2)."""
-        corners = self.mesh.p[:, self.mesh.t]
-        return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
+        return affine_maps(self.mesh.p, self.mesh.t)
 
     @cached_property
     def determinant(self) -> Array:
@@ -363,8 +319,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def lengths(self) -> Array:
         """The lengths of the edges, (edges,)."""
-        ends = self.mesh.p[:, self.mesh.facets]
-        return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
+        return facet_measures(self.mesh, np.s_[:])
 
     @cached_property
     def frames(self) -> Array:
@@ -373,7 +328,7 @@ class StressSpace(MeshedBody):
         They are the normal and the tangent on the contact boundary and on rollers, and the Cartesian axes on all other
         edges.
         """
-        axes = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
+        axes = np.tile(np.eye(2), (len(self.lengths), 1, 1))
         for part, edges in (*self.on(Kind.CONTACT), *self.on(Kind.ROLLER)):
             axes[edges] = np.array([part.normal, part.tangent])
         return axes
@@ -389,7 +344,8 @@ class StressSpace(MeshedBody):
         Returns:
             The coefficients of the tractions on the given edges, (..., e, n, 2).
         """
-        on_edges = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
+        *several, _, _, n, d = tractions.shape
+        on_edges = np.empty((*several, len(self.lengths), n, d))
         on_edges[..., self.edges, :, :] = tractions
         return on_edges[..., edges, :, :]
 
@@ -418,23 +374,25 @@ class StressSpace(MeshedBody):
         The shape is (Q, 3, polynomials). Axes: quadrature point, subtriangle, Bernstein polynomial.
         """
         at = bernstein(self.degree, self._rule[0]).T
-        return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
+        return np.kron(np.eye(3), at).reshape(-1, 3, self.element.polynomials)
 
     @cached_property
     def points(self) -> Points:
         """The quadrature points, (2, cells, Q), with Q points in the three subtriangles of every cell."""
         vertices = thirds(self.mesh.p[:, self.mesh.t])
-        return np.einsum("dvtc,vq->dctq", vertices, self._rule[0]).reshape(2, self.cells, -1)
+        points = np.einsum("dvtc,vq->dctq", vertices, self._rule[0])
+        return points.reshape(2, self.cells, -1)
 
     @cached_property
     def barycentric(self) -> Array:
         """The barycentric coordinates of the Q quadrature points of a cell with respect to the cell, (3, Q)."""
-        return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
+        coordinates = np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0])
+        return coordinates.reshape(3, -1)
 
     @cached_property
     def weights(self) -> Array:
         """The quadrature weights, (cells, Q), with Q points in every cell."""
-        return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
+        return np.multiply.outer(self.volumes, self.shares)
 
     @cached_property
     def _reference(self) -> Array:
@@ -452,15 +410,17 @@ class StressSpace(MeshedBody):
         # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
         piola = self._piola[:, None]
         reference = self._reference.reshape(3, self.weights.shape[1], -1)
-        pulled = self.weights[..., None, None] * (piola.swapaxes(2, 3) @ compliance @ piola)
+        metric = piola.swapaxes(2, 3) @ compliance @ piola
+        pulled = self.weights[..., None, None] * metric
         products = np.einsum("Iqa,Jqb->qIJab", reference, reference)
         p = reference.shape[-1]
-        return (pulled.reshape(self.cells, -1) @ products.reshape(-1, p * p)).reshape(-1, p, p)
+        gram = pulled.reshape(self.cells, -1) @ products.reshape(-1, p * p)
+        return gram.reshape(-1, p, p)
 
     @cached_property
     def shares(self) -> Array:
         """The quadrature weights of a cell divided by its area, (Q,). They are the same for all cells."""
-        return self.weights[0] / self.volumes[0]
+        return np.tile(self._rule[1], 3) / 3
 
     def tested(self, values: Tensors) -> Array:
         """Return the integrals of a strain ε times each basis function σ with Div σ = 0 on every cell.
@@ -471,8 +431,10 @@ class StressSpace(MeshedBody):
         Returns:
             The integrals ∫_T σ·ε for the p basis functions σ on every cell T, (..., cells, p).
         """
-        pulled = (self.volumes[:, None, None] * self._piola.swapaxes(1, 2)) @ np.moveaxis(values, 0, -2)
-        return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
+        onto_reference = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
+        pulled = onto_reference @ np.moveaxis(values, 0, -2)
+        weighted = np.tile(self.shares, 3)[:, None] * self._reference
+        return pulled.reshape(*pulled.shape[:-2], -1) @ weighted
 
     def combined(self, coefficients: Array) -> Tensors:
         """Return stresses with Div σ = 0 at the quadrature points, from their coefficients in the basis.
@@ -483,7 +445,8 @@ class StressSpace(MeshedBody):
 
     def _pushed(self, reference: Array) -> Tensors:
         """Transform stresses from the reference triangle to the cells: (..., cells, 3 · Q) → (3, ..., cells, Q)."""
-        return np.moveaxis(self._piola @ reference.reshape(*reference.shape[:-1], 3, -1), -2, 0)
+        components = reference.reshape(*reference.shape[:-1], 3, -1)
+        return np.moveaxis(self._piola @ components, -2, 0)
 
     @cached_property
     def tractions(self) -> Array:
@@ -491,10 +454,8 @@ class StressSpace(MeshedBody):
 
         Axes: cell, side, Bernstein coefficient, component, basis function.
         """
-        reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
-        tractions = self._to_edges(
-            np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:]))
-        )
+        on_reference = np.tensordot(self.element.tractions, self.element.divergence_free, axes=3)
+        tractions = self._to_edges(np.moveaxis(on_reference, -1, 0)[:, None])
         return np.ascontiguousarray(np.moveaxis(tractions, 0, -1))
 
     @cached_property
@@ -505,11 +466,13 @@ class StressSpace(MeshedBody):
             The transposed matrices of |ê| σ̂ν̂ ↦ σν in the axes of the edges, (cells, 3, 2, 2); and whether the edge
             runs against the side of the cell, (cells, 3).
         """
-        a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
-        turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
+        end_of_side = self.mesh.t[[b for _, b in SIDES]].T
+        turned = self.mesh.facets[0, self.edges] == end_of_side
         # Reflected cells have inward normals on their sides, so the sign of the determinant is included.
         length = self.lengths[self.edges] * np.sign(self.determinant)[:, None]
-        return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
+        pushed = self.frames[self.edges] @ self.map[:, None]
+        onto = pushed / length[..., None, None]
+        return onto.swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
         """Transform tractions |ê| σ̂ν̂ on the sides of the reference triangle to tractions σν on the edges.
@@ -552,9 +515,10 @@ class StressSpace(MeshedBody):
         """
         values, tractions = self._lifting
         several = coefficients.shape[:-3]
-        back = (coefficients.reshape(*several, -1, 2) @ self._pulled).reshape(*several, -1)
-        of_sides = (back @ tractions).reshape(*several, 3, -1, 2)
-        return self._pushed(back @ values), self._to_edges(of_sides)
+        divergence = coefficients.reshape(*several, -1, 2) @ self._pulled
+        divergence = divergence.reshape(*several, -1)
+        on_sides = (divergence @ tractions).reshape(*several, 3, -1, 2)
+        return self._pushed(divergence @ values), self._to_edges(on_sides)
 
     @cached_property
     def _pulled(self) -> Array:
@@ -572,8 +536,8 @@ class StressSpace(MeshedBody):
             of the tractions: side (3), Bernstein polynomial (n), component (2).
         """
         lift = self.element.lift
-        tractions = self.element.tractions
-        rows = int(np.prod(lift.shape[3:]))
-        values = np.einsum("qta,taJubi->ubiJq", self._values, lift)
-        on_sides = np.tensordot(lift, tractions, axes=((0, 1, 2), (3, 4, 5)))
-        return values.reshape(rows, -1), on_sides.reshape(rows, -1)
+        lift = lift.reshape(*lift.shape[:3], -1)
+        values = np.einsum("qta,taJr->rJq", self._values, lift)
+        on_sides = np.tensordot(self.element.tractions, lift, axes=3)
+        rows = len(values)
+        return values.reshape(rows, -1), on_sides.reshape(-1, rows).T

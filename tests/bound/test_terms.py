@@ -38,9 +38,9 @@ from study.bound.problem import load_constants, moduli
 from study.bound.remainders import CUBIC_FACTOR, PARABOLA_FACTOR
 from study.bound.terms import QUADRATIC, Majorant, Sizes, Step, grow, kernel, largest_square, mean_square
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
+from study.fem.quadrature import bernstein
 from study.solve.tableau import MIDPOINT
 from study.stresses.loads import LeftOut
-from study.stresses.stress_space import bernstein
 
 LAW = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
 BODY = polygon(SQUARE, [CONTACT, LOADED, LOADED, CLAMPED])

@@ -15,7 +15,7 @@ from skfem import Basis, ElementTriP2, ElementVector, Functional, MeshTri
 from study.bound.trajectory import spline
 from study.certify import checker
 from study.certify.checker import Enclosure, Loads, Mesh, Piece, Problem, RefusedError, Stresses
-from study.stresses.stress_space import bernstein
+from study.fem.quadrature import bernstein
 
 GRID = Q(1, 1 << checker.GRID)
 ROWS = [["4", "1", "1/2"], ["1", "3", "1/4"], ["1/2", "1/4", "2"]]

@@ -16,7 +16,7 @@ from manufactured.law import Linear
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import FAMILIES, barycentric, barycentric_gradients
 from study.fem.naming import resolve
-from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
+from study.fem.quadrature import Line, facet_rule, placed, shared, simplex_rule
 
 POINTS = 200
 
@@ -89,8 +89,9 @@ def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
 def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(rng, degree, angle, both):
     mesh = MeshTri(rng.normal(size=(2, 15)), np.arange(15).reshape(3, 5))
     lines = [Line((1.0, 0.0), 0.2), Line((float(np.cos(angle)), float(np.sin(angle))), -0.1)][: 1 + both]
-    points, shares = shared(mesh.p[:, mesh.t], barycentric_gradients(mesh), *simplex_rule(2, degree), lines)
-    local = barycentric(mesh, np.arange(5), points)
+    rule = simplex_rule(2, degree)
+    points, shares = shared(placed(mesh.p, mesh.t, rule[0]), barycentric_gradients(mesh), *rule, lines)
+    local = barycentric(mesh.p, mesh.t, points)
     assert local.min() > 0
     assert shares.min() > 0
     # The mean of λ_i λ_j is 1/12, and 1/6 for i = j; as Σ λ_i = 1, they tell the means of all polynomials of degree 2.
@@ -98,7 +99,7 @@ def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(rng, degree
     means = np.einsum("icq,jcq,cq->cij", local, local, shares)
     assert np.allclose(means, (1 + np.eye(3)) / 12, rtol=1e-11)
     for line in lines:
-        for one in np.tensordot(line.direction, points, axes=1) - line.offset:
+        for one in line.distance(points):
             # Spacings are powers of two and at least this part of the width of the points of a cell.
             multiples = one / np.exp2(np.floor(np.log2(np.ptp(one))) - 20)
             assert np.allclose(multiples, np.rint(multiples), atol=1e-6)

@@ -15,8 +15,8 @@ from manufactured.cases.materials import anisotropic_law
 from manufactured.problems import problems
 from manufactured.tensors import mandel
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
+from study.fem.quadrature import bernstein
 from study.fem.space import Quadratic
-from study.stresses.stress_space import bernstein
 
 BODIES = {
     "square": (unit_square(), Shaken()),

@@ -21,7 +21,7 @@ from manufactured.regularity import Regularity
 from manufactured.tensors import full
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructured, cell_volumes
 from study.fem.naming import resolve
-from study.fem.quadrature import Line, cell_rules, simplex_rule
+from study.fem.quadrature import Line, bernstein, cell_rules, simplex_rule
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.thm_4_2 import (
@@ -41,7 +41,7 @@ from study.stresses.hybrid import (
     tensor_at,
 )
 from study.stresses.loads import ProjectedLoads, together
-from study.stresses.stress_space import StressSpace, alfeld_split, bernstein, composite
+from study.stresses.stress_space import StressSpace, alfeld_split, composite
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
 """Cases on bodies of different shape: turned, with an interface, with several contact faces, re-entrant, refined."""
