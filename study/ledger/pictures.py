@@ -1,10 +1,10 @@
-"""Data for pictures: values over time with few digits, the facets of a contact surface, and fields on a mesh."""
+"""Data for pictures: values over time with few digits, and the facets of a contact surface."""
 
 from __future__ import annotations
 
 import zlib
 from base64 import b64decode, b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -130,33 +130,3 @@ class Facets:
             The values at the nodes, then at the midpoints, (..., n + e).
         """
         return np.concatenate([values, values[..., self.edges].mean(axis=-2)], axis=-1)
-
-
-@dataclass(frozen=True, eq=False)
-class MeshFields:
-    """Fields on a mesh at one time.
-
-    Attributes:
-        time: the time t.
-        at_vertices: name ↦ scalars, (vertices,), or vectors, (d, vertices); NaN at vertices without a value.
-        in_cells: name ↦ scalars, (cells,), or matrices, (d, d, cells).
-    """
-
-    time: float
-    at_vertices: dict[str, Array]
-    in_cells: dict[str, Array]
-
-
-@dataclass(frozen=True, eq=False)
-class MeshSeries:
-    """A mesh with fields at several times.
-
-    Attributes:
-        vertices: coordinates of the vertices, (d, vertices).
-        cells: vertex numbers of the triangles or tetrahedra, (d + 1, cells).
-        fields: the fields, one entry for each time.
-    """
-
-    vertices: Array
-    cells: Numbers
-    fields: Sequence[MeshFields]

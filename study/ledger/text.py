@@ -4,7 +4,7 @@ import shutil
 from collections.abc import Hashable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import partial
-from math import isfinite
+from math import inf, isfinite
 from textwrap import fill
 
 import pandas as pd
@@ -75,7 +75,7 @@ def interval(low: float, high: float, digits: int) -> str:
     """Return the interval [low, high] as text, with both ends rounded outwards to a number of significant digits."""
     if low > high:
         raise ValueError(f"the interval from {low:g} to {high:g} has crossed ends: this is a defect of the program")
-    return f"[{down(low, digits)}, {up(high, digits)}]"
+    return f"[{down(low, digits)}, {up(high, digits) if high < inf else '∞'}]"
 
 
 def significant(number: float) -> str:

@@ -1,11 +1,12 @@
 """The printed texts of the commands: results of a run, bounds of errors, and verdicts as JUnit XML."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from math import ceil, inf, isinf, isnan
 from pathlib import Path
 from textwrap import fill, wrap
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
@@ -329,18 +330,19 @@ def adaptive_text(
         " in time": (100 * rows.in_time).map("{:.1f} %".format) if in_time else None,
         "     error": rows.error.map(ERROR) if known else None,
     }
-    found += aligned({head: cells for head, cells in columns.items() if cells is not None})
+    found += aligned(columns)
     notes = "% of u: the bound over the least value that the norm of u can have", MEANING[in_time]
     return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
-def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
+def aligned(columns: Mapping[str, Any]) -> list[str]:
     """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
 
     Args:
-        columns: the cells of each column, by its head; blanks in front of a head make the column wider.
+        columns: the cells of each column, by its head; blanks in front of a head make the column wider. A column that
+            is None is left out.
     """
-    table = DataFrame({head: [*map(str, cells)] for head, cells in columns.items()})
+    table = DataFrame(columns).dropna(axis="columns").astype(str)
     return [line.rstrip() for line in table.to_string(index=False).splitlines()]
 
 
@@ -373,9 +375,10 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
         kind: labels,
         error: _within(table, "lowest", "highest"),
         "         % of u": _within(table, "percent_low", "percent_high", PERCENT),
+        "    error": table.error.map(ERROR) if known else None,
+        "from u_h alone": _plain(table),
     }
-    columns |= {"    error": table.error.map(ERROR)} if known else {}
-    lines = aligned(columns | {"from u_h alone": _plain(table)})
+    lines = aligned(columns)
     if not table.order_low.notna().any():
         return lines
     orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
@@ -399,10 +402,5 @@ def _plain(rows: DataFrame) -> list[str]:
 
 def _within(rows: DataFrame, low: str, high: str, digits: int = SHOWN) -> list[str]:
     """Return the intervals between two columns as texts, rounded outwards; the text is empty if an end is unknown."""
-    texts = []
-    for least, most in zip(rows[low], rows[high], strict=True):
-        if isnan(least):
-            texts.append("")
-        else:
-            texts.append(interval(least, most, digits) if most < inf else f"[{down(least, digits)}, ∞]")
-    return texts
+    ends = zip(rows[low], rows[high], strict=True)
+    return ["" if isnan(least) else interval(least, most, digits) for least, most in ends]
