@@ -102,7 +102,9 @@ class Column:
     """
 
     def __init__(self, name: str, cells: Cells, comma: bool) -> None:
-        self.name, self.cells, self.role = name, cells, role(name)
+        self.name = name
+        self.cells = cells
+        self.role = role(name)
         self.printed: list[Column] = []
         # Words behind the numbers of a column of errors or sizes are units or remarks.
         clean = map(without_words, cells) if self.role in ("error", *SIZES) else cells
@@ -174,7 +176,8 @@ def columns_of(table: Table, comma: bool) -> list[Column]:
         table: the table.
         comma: whether its numbers have decimal commas.
     """
-    names, columns = [name.translate(NORM_BARS) for name in table.names], []
+    names = [name.translate(NORM_BARS) for name in table.names]
+    columns = []
     for k, cells in enumerate(table.columns):
         if k and not names[k] and is_missing(cells[0]) and not all(map(is_missing, cells)):
             # Columns of orders need no name. Their first cell is missing.
@@ -203,7 +206,9 @@ class Reading:
     """
 
     def __init__(self, table: Table, options: Options, confirmed: dict[str, int]) -> None:
-        self.table, self.options, self.confirmed = table, options, confirmed
+        self.table = table
+        self.options = options
+        self.confirmed = confirmed
         comma = uses_decimal_commas([*chain(*table.columns)])
         self.columns = columns_of(table, comma)
         self.names = ", ".join(column.name for column in self.columns)
@@ -346,7 +351,8 @@ class Reading:
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
         """
-        ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
+        ratio = self.options.ratio
+        levels = np.arange(len(rows), dtype=float)
         for column in self.columns:
             if column.role == "degree" and (column is self.size or (column.steps == {1} and not self.options.size)):
                 raise OrderError(f"column {column.name} has degrees: {DEGREES}")
@@ -379,7 +385,10 @@ class Reading:
 
     def _converted(self, column: Column, rows: Rows) -> tuple[Array, str]:
         """Return the mesh sizes that follow from a column, and in words how they were determined."""
-        kind, name, sizes, dim = column.role, column.name, column.numbers[rows], self.options.dim
+        kind = column.role
+        name = column.name
+        sizes = column.numbers[rows]
+        dim = self.options.dim
         whole = sizes.min() > 1 and (dim or not (sizes % 1).any())
         if kind not in ("count", "total") and not (whole and (dim or kind not in SIZES)):
             steps = np.diff(sizes)
@@ -428,7 +437,8 @@ def _correct(column: Column, errors: list[Column]) -> None:
     name if it is called orders.
     """
     quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
-    below, above = column.numbers[1:], column.numbers[:-1]
+    below = column.numbers[1:]
+    above = column.numbers[:-1]
     certain = len(errors) == 1 or column.role != "order" or column.name.startswith("order of")
     if certain and (_equal(below, quotients) or _equal(above, quotients)):
         column.role = "quotient"

@@ -168,7 +168,8 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
     The extrapolation assumes that the order is a linear function of the mesh size.
     """
-    sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
+    sizes = np.asarray(h, dtype=float)
+    orders = consecutive_orders(h, errors)
     if len(orders) < 2:
         return math.nan
     ratio = math.sqrt(sizes[-3]) / math.sqrt(sizes[-1])
@@ -201,7 +202,8 @@ def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
     def excess(p: float) -> float:
         return float((np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine)) - abs(changes[0] / changes[1]))
 
-    low, high = 1e-9, 100.0
+    low = 1e-9
+    high = 100.0
     if excess(low) >= 0:
         return math.nan, -math.inf
     if excess(high) <= 0:
@@ -244,10 +246,12 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     if kind == "grows" and sizes.min() > 1:
         sentence += "; or is h the number n of cells? Then give h = 1/n"
     if max_error and not e[-1] <= max_error:
-        verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
+        verdict = FAILS
+        sentence = f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
     elif verdict == UNDECIDED and not expectation.window:
         verdict = HOLDS
-    x, judged = sizes[first:last], e[first:last]
+    x = sizes[first:last]
+    judged = e[first:last]
     return OrderResult(
         name=name,
         h=tuple(sizes.tolist()),
@@ -270,7 +274,8 @@ def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Ar
     Raises:
         OrderError: a value or a mesh size cannot be used, or a mesh size is repeated.
     """
-    sizes, e = real_numbers(h, "h"), real_numbers(values, name)
+    sizes = real_numbers(h, "h")
+    e = real_numbers(values, name)
     if len(sizes) != len(e) or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} {name}: expected one number for each mesh")
     if not (np.isfinite(sizes).all() and sizes.min() > 0):
@@ -338,14 +343,16 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
 def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     """Return the diagnosis if errors grow, stagnate or reach round-off on the finest meshes, otherwise None."""
-    orders, n = consecutive_orders(h, e), len(e)
+    orders = consecutive_orders(h, e)
+    n = len(e)
     stall = _behind_last(orders > STALLED)
     first, verdict = _judge(h, e, expectation)
     # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
     falls_as_expected = verdict == HOLDS and orders[first:].min() > 0
     if (stall == n - 1 or falls_as_expected) and e[-1] < e[0]:
         return None
-    floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
+    floor = float(np.median(e[stall:]))
+    start = f"from h = {h[stall]:.5g} on"
     if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:
         return _above(h, e, stall, floor, "round-off", f"is round-off of about {floor:.2g} {start}", expectation)
     if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
@@ -366,7 +373,8 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     if len(e) < 4 or np.diff(e[-4:]).max() >= 0:
         return None
     orders = consecutive_orders(h, e)
-    changes, quoted = np.diff(orders[-3:]), _text(orders)
+    changes = np.diff(orders[-3:])
+    quoted = _text(orders)
     before, p_before = limit_and_order(h[:-1], e[:-1])
     limit, p = limit_and_order(h, e)
     agree = abs(p_before - p) < 0.02 + 0.1 * abs(changes.sum())
@@ -418,7 +426,8 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
 
     If no order is expected, it is the first mesh of the orders that sentences quote, and the verdict is *undecided*.
     """
-    orders, n = consecutive_orders(h, e), len(e)
+    orders = consecutive_orders(h, e)
+    n = len(e)
     if not expectation.window:
         return max(n - 1 - QUOTED, 0), UNDECIDED
     low, high = expectation.window
@@ -442,7 +451,8 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
-    orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
+    orders = consecutive_orders(h, e)
+    step = 2 * expectation.tolerance
     before, last = np.diff(orders, prepend=orders[0])[-2:]
     # Orders that fall, but settle, fall by less from mesh to mesh.
     drop = 0.8 * before if before < 0 else -step
@@ -460,7 +470,8 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         kind = "orders falling"
         sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
     elif abs(last) > step:
-        kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
+        kind = "pre-asymptotic"
+        sentence = f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     return Diagnosis(kind, sentence, verdict, first)
 
 
@@ -508,7 +519,9 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     sizes, phi = _coarse_first(h, values, "values")
     if len(sizes) < 3 or not np.isfinite(phi).all():
         raise OrderError(f"values must be finite, on three meshes or more; got {phi.tolist()[:10]}")
-    (limit, p), finest, changes = limit_and_order(sizes, phi), float(phi[-1]), np.diff(phi[-3:])
+    limit, p = limit_and_order(sizes, phi)
+    finest = float(phi[-1])
+    changes = np.diff(phi[-3:])
     if not changes.all():
         return GridConvergence("equal values", extrapolated=finest, index=math.nan if changes[1] else 0.0)
     # Rounding of the values changes the quotient of their differences, and the order by this change over log r.

@@ -207,7 +207,9 @@ class Row:
     """
 
     def __init__(self, line: Line, sign: str) -> None:
-        self.line, self.sign, self.text = line, sign, line.text.strip("\n ")
+        self.line = line
+        self.sign = sign
+        self.text = line.text.strip("\n ")
         if sign == " ":
             self.text = re.sub(r"(?<!\S)[|,](?!\S)", " ", line.text)
             self.cells = self.text.split()
@@ -241,7 +243,8 @@ def _grids(lines: list[Line]) -> list[Table]:
         divided = [Row(line, sign) for line in lines]
         numbers = sum(row.kinds.count("9") for row in divided if row.is_data(True))
         if 2 * numbers >= most:
-            rows, most = divided, max(most, numbers)
+            rows = divided
+            most = max(most, numbers)
     tables: list[Table] = []
     for above, block in _blocks(rows):
         if table := _across(block) or _below(above, block, tables):
@@ -264,7 +267,8 @@ def _blocks(rows: list[Row]) -> Iterator[tuple[list[Row], list[Row]]]:
         elif not (block and left_out and row.kinds.strip("a")):
             if block:
                 yield above, block
-                above, block = [], []
+                above = []
+                block = []
             above.append(row)
     if block:
         yield above, block
@@ -430,7 +434,8 @@ def _across(block: list[Row]) -> Table | None:
 def _orders_between(values: Cells) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
     numbers = np.array([*map(to_number, values)], dtype=float)
-    errors, orders = numbers[::2], numbers[1::2]
+    errors = numbers[::2]
+    orders = numbers[1::2]
     computed = consecutive_orders(0.5 ** np.arange(len(errors)), errors)
     return len(computed) == len(orders) and not (abs(computed - orders) >= 0.03).any()
 
@@ -472,7 +477,8 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
     tables: list[Columns] = [{}]
     singles: Columns = {}
     for match in _NAMED.finditer(_PAIRS.sub(_as_lists, text)):
-        name, separator = match["name"].strip(" \t*-\"'"), r"[,;\s]+" if match["list"] else r",\s+"
+        name = match["name"].strip(" \t*-\"'")
+        separator = r"[,;\s]+" if match["list"] else r",\s+"
         values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
         if len(values) == 1:
             singles.setdefault(name, []).append(values[0].strip("*|`"))

@@ -52,14 +52,11 @@ def do_faults(options: Namespace) -> int:
     keys = {case: (f"faults__{name_of(case)}", f"{code} {problem(case)}") for case in cases}
     rows: list[dict[str, object]] = []
     with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), f"{len(cases)} cases") as bar:
-        stored = {case: store.load(*keys[case]) for case in cases}
-        waiting = {case: executor.submit(measure_case, case, names) for case in cases if stored[case] is None}
+        missing = [case for case in cases if store.load(*keys[case]) is None]
+        waiting = {case: executor.submit(measure_case, case, names) for case in missing}
         for case in cases:
-            found = stored[case]
-            if found is None:
-                found = {"rows": waiting[case].result()}
-                store.save(*keys[case], found)
-            rows += found["rows"]
+            measured = store.cached(*keys[case], lambda case=case: {"rows": waiting[case].result()})  # type: ignore[misc]
+            rows += measured["rows"]
             bar.update()
     table = DataFrame(rows, columns=list(SCHEMA["faults.csv"].columns))
     written = write_csv(options.out / "data" / "faults.csv", table)

@@ -15,6 +15,7 @@ from manufactured.body import Body, Kind, Part
 from manufactured.colours import BLACK, BLUE, GREEN, VERMILLION
 from manufactured.data import Data
 from study.ledger.files import UsageError
+from study.ledger.pictures import Array
 from study.present.body import arrow, band, magnification
 from study.present.drawing import (
     FOUNDATION,
@@ -27,7 +28,6 @@ from study.present.drawing import (
     entry,
     legend,
 )
-from study.present.picture import Array
 
 MeshInTime = tuple[tuple[Array, Array], tuple[Array, Array]]
 """A mesh and a displacement over time: vertices, (2, n), and vertex numbers of triangles, (3, cells); and times, (k,),
@@ -213,7 +213,8 @@ def _draw_loads(axes: Axes, data: Data, time: float) -> bool:
             arrow(axes, start, start + length, VERMILLION, 7, zorder=5, annotation_clip=False)
         axes.update_datalim(np.hstack([starts, starts + arrows]).T)
         # Of equal arrows the middle one gets the label.
-        top = np.argmax((lengths >= 0.99 * largest) * (1 - np.linspace(-0.5, 0.5, len(lengths)) ** 2))
+        equal = np.flatnonzero(lengths >= 0.99 * largest)
+        top = equal[len(equal) // 2]
         far = starts[:, top] if pushes[top] else (starts + arrows)[:, top]
         _label(axes, far + SUPPORT_DEPTH * body.extent * part.normal, f"{largest:.3g}")
     middle = _middle(body)

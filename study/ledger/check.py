@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isnan, nan
+from typing import Any
 
 import numpy as np
 from pandas import DataFrame
@@ -71,14 +72,12 @@ class Check:
             groups: mesh family ↦ table of its levels, coarse to fine.
             family: the mesh family, if the check is about one family only.
         """
-        found = [self._values(table) for table in groups.values()]
-        values = [each for each in found if each is not None]
+        values = [self._values(table) for table in groups.values()]
         fewest = min(map(len, groups.values()), default=0)
-        if not values or len(values) < len(groups):
-            observed = nan
-            span = NOWHERE
-            verdict = UNDECIDED
-        else:
+        observed = nan
+        span = NOWHERE
+        verdict = UNDECIDED
+        if values and all(each.size for each in values):
             every = np.concatenate(values)
             decisive = [float(each[-1]) if self.finest else self.window.worst(each.tolist()) for each in values]
             observed = self.window.worst(decisive)
@@ -93,18 +92,17 @@ class Check:
         )
         return result if not self.if_missed else self._without_claim(result)
 
-    def _values(self, table: DataFrame) -> Array | None:
-        """Return the values of one mesh family, (n,); None if levels or columns are missing, NaN without an order."""
-        if len(table) < self.levels:
-            return None
-        try:
-            measured = self.value(table) if callable(self.value) else table[self.value]
-            found = np.asarray(measured, dtype=float).ravel()
-            return found if found.size else None
-        except KeyError:
-            return None
-        except RatesError:
-            return np.array([nan])
+    def _values(self, table: DataFrame) -> Array:
+        """Return the values of one mesh family, (n,); none if levels or columns are missing, NaN without an order."""
+        measured: Any = []
+        if len(table) >= self.levels:
+            try:
+                measured = self.value(table) if callable(self.value) else table[self.value]
+            except RatesError:
+                measured = nan
+            except KeyError:
+                pass
+        return np.asarray(measured, dtype=float).ravel()
 
     def _without_claim(self, judged: Verdict) -> Verdict:
         """Return the row of a check about which nothing is claimed: *missed* if a prediction is wrong."""

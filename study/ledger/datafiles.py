@@ -304,7 +304,7 @@ def read_rates(directory: Path) -> DataFrame:
     """
     rates = read_csv(directory, "rates.csv", SHOWN_RATES)
     # Figures cannot show infinite errors.
-    numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
+    numbers = [name for name in SCHEMA["rates.csv"].numbers if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
         row = first_row(infinite.any(axis=1))
         raise DataError(

@@ -23,7 +23,8 @@ from numpy.linalg import norm
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.ledger.files import Json
-from study.ledger.pictures import Numbers
+from study.ledger.pictures import Array, Numbers
+from study.ledger.text import below
 from study.present.drawing import (
     FOUNDATION,
     FOUNDATION_EDGE,
@@ -37,7 +38,7 @@ from study.present.drawing import (
     is_slide,
     legend,
 )
-from study.present.picture import Array, Bools, FaceHistory, Picture, Polygon, Segment, misplaced_length
+from study.present.picture import Bools, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
 DRAWN_DISPLACEMENT = 0.12
 """The length of the largest displacement in figures, as a fraction of the longest side of the body."""
@@ -87,8 +88,7 @@ def magnification(vertices: Array, displacements: Array) -> float:
     if largest == 0:
         return 1.0
     exact = DRAWN_DISPLACEMENT * np.ptp(vertices, axis=1).max() / largest
-    unit = 10.0 ** (floor(log10(exact)) - 1)
-    return float(f"{floor(exact / unit) * unit:.2g}")
+    return float(below(exact, 1 - floor(log10(exact))))
 
 
 def view_of(picture: Picture) -> Array:
@@ -649,7 +649,9 @@ def _draw_front(axes: Axes, face: Polygon, level: Array) -> None:
     """Draw the exact contact front of a face in 3D, where the level function is 0, and set the limits of the axes."""
     if level.min() < 0 <= level.max():
         axes.tricontour(_refined(face), level, [0], colors=VERMILLION, linewidths=1.0)
-    axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
+    left, bottom = face.s.min(axis=1)
+    right, top = face.s.max(axis=1)
+    axes.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
 
 
 def _refined(face: Polygon) -> Triangulation:
@@ -705,11 +707,6 @@ def draw_sketch() -> Figure:
     axes.set(xlim=(-0.3, 1.92), ylim=(-0.36, 0.76), aspect="equal")
     axes.axis("off")
     return figure
-
-
-def values_of_sketch() -> Json:
-    """Return the values in the caption of ``draw_sketch``: name in the template ↦ value."""
-    return dict()
 
 
 def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:

@@ -113,7 +113,7 @@ def label_ticks(panels: Iterable[Axes], least: int = 3) -> None:
     for axis in (axis for axes in panels for axis in (axes.xaxis, axes.yaxis)):
         if axis.get_scale() != "log":
             continue
-        low, high = map(float, axis.get_view_interval())
+        low, high = axis.get_view_interval()
         for mantissas in MANTISSAS:
             locator = LogLocator(subs=mantissas)
             ticks = np.asarray(locator.tick_values(low, high))
@@ -163,7 +163,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     Nothing is drawn if the slope is NaN, or if every line has a single point.
 
     Parameters:
-        axes: the axes, whose scales are logarithmic.
+        axes: the axes, whose scales are logarithmic; their lines go from large to small mesh sizes.
         slope: the slope.
         small: whether the axes are so small that the slope must be written above the triangle, not to its left.
     """
@@ -174,7 +174,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     x = np.concatenate(curves)[:, 0]
     start, end = x.min() + np.ptp(x) * np.array([0.09, 0.37])
     at = np.linspace(start, end, 50)
-    heights = [np.interp(at, *curve[np.argsort(curve[:, 0])].T) - slope * (at - start) for curve in curves]
+    heights = [np.interp(at, *curve[::-1].T) - slope * (at - start) for curve in curves]
     base = np.nanmax(heights) + 0.06 * decades
     top = base + slope * (end - start)
     corners = 10 ** np.array([[start, base], [end, top], [start, top]])
@@ -336,7 +336,7 @@ def draw_collapsed(rates: DataFrame) -> Figure:
     """
     styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
-    ends = [rates.h.min(), rates.h.max()]
+    ends = [rates.h.max(), rates.h.min()]
     errors.loglog(ends, ends, color=GREY)
     ratios.axhline(1, **RULE)
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
@@ -530,8 +530,8 @@ def values_of_work(rows: DataFrame) -> Json:
     for _, of_case in rows[rows.family == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
-            of_term += orders(last.h.to_numpy(), last[term].to_numpy()).tolist()
-    return dict(**by_term)
+            of_term += orders(last.h, last[term]).tolist()
+    return by_term
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
@@ -582,7 +582,7 @@ def draw_rollers(rows: DataFrame) -> Figure:
 def values_of_rollers(rows: DataFrame) -> Json:
     """Return the values in the caption of ``draw_rollers``: name in the template ↦ value."""
     means = roller_means(rows)
-    fits = {family: fit(table.h.to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
+    fits = {family: fit(table.h, table["mean"]) for family, table in means if len(table) > 1}
     return dict(fits=fits)
 
 

@@ -245,8 +245,7 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Pat
         layout = figure.get_layout_engine()
         assert layout is not None
         layout.execute(figure)
-        rcParams["figure.constrained_layout.use"] = False
-        figure.set_layout_engine()
+        figure.set_layout_engine("none")
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
         written = [
             write_whole(directory / f"{drawing.name}.{suffix}", partial(_save, figure, drawing, suffix))

@@ -21,7 +21,6 @@ from study.present.body import (
     values_of_body,
     values_of_fronts,
     values_of_profiles,
-    values_of_sketch,
     values_of_zone,
 )
 from study.present.charts import (
@@ -54,7 +53,7 @@ from study.present.outcome import order_differences
 from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., Json], str]] = {
-    "problem": (draw_sketch, values_of_sketch, "Sketch of a body on a rigid foundation"),
+    "problem": (draw_sketch, dict, "Sketch of a body on a rigid foundation"),
     "convergence": (
         draw_convergence,
         values_of_convergence,

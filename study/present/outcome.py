@@ -76,7 +76,7 @@ def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
-                by_name[family] = orders(ends.h.to_numpy(), ends.error.to_numpy())[0]
+                by_name[family] = orders(ends.h, ends.error)[0]
     return by_name
 
 

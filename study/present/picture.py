@@ -17,9 +17,8 @@ from pandas import DataFrame
 
 from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompressed
 from study.ledger.files import Json
-from study.ledger.pictures import Facets, Numbers, Packed
+from study.ledger.pictures import Array, Facets, Numbers, Packed
 
-Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 ZONE_SAMPLES = 10_001
 """The number of positions along a face at which exact and computed contact zones are compared."""

@@ -20,7 +20,7 @@ from PIL import Image
 
 from manufactured.colours import BLACK, SKY, VERMILLION
 from study.ledger.files import Json, Paths, write_text, write_whole
-from study.ledger.pictures import Numbers
+from study.ledger.pictures import Array, Numbers
 from study.present.body import (
     NEGLIGIBLE_CONTACT,
     NODES,
@@ -33,7 +33,7 @@ from study.present.body import (
     ramp,
 )
 from study.present.drawing import RIM, column_width, dots, entry, in_style, page_width
-from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
+from study.present.picture import FaceHistory, Picture, Polygon, Segment
 
 MOMENTS = 6
 COLUMNS = 3
