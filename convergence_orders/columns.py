@@ -111,9 +111,11 @@ class Column:
         self.numbers = np.array([to_number(cell, comma) for cell in clean], dtype=float)
         contents = "".join(map(kind_of, cells))
         if not contents.strip("-"):
-            self.role = "error" if self.role == "error" else "empty"
+            if self.role != "error":
+                self.role = "empty"
         elif all(map(_SIDES.fullmatch, cells)):
-            self.role = self.role if self.role in SIZES else "count"
+            if self.role not in SIZES:
+                self.role = "count"
         elif "9" not in contents or (contents[0] == "a" and self.role in ("unknown", "other", "degree")):
             self.role = "text"
         elif self.role == "degree" and not self.whole:

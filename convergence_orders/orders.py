@@ -278,7 +278,7 @@ def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Ar
     e = real_numbers(values, name)
     if len(sizes) != len(e) or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} {name}: expected one number for each mesh")
-    if not (np.isfinite(sizes).all() and sizes.min() > 0):
+    if not 0 < sizes.min() <= sizes.max() < math.inf:
         raise OrderError(f"mesh sizes must be positive and finite, got {sizes.tolist()[:10]}")
     sizes, e = np.array([sizes, e])[:, np.argsort(-sizes)]
     repeated = sizes[1:][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
@@ -320,14 +320,15 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
     Special cases come first: infinite errors, zero errors, few meshes, stagnation.
     """
-    if not np.isfinite(e).all():
-        where = h[~np.isfinite(e)][0]
+    finite = np.isfinite(e)
+    if not finite.all():
+        where = h[~finite][0]
         words = f"the error is not finite for h = {where:.5g}: the computation broke down there"
         return Diagnosis("not finite", words, FAILS)
     if not e.any():
         return Diagnosis("exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if not e.all():
-        stop = int(np.argmin(e != 0))
+        stop = int(np.argmin(e))
         words = f"is exactly zero for h = {h[stop]:.5g}"
         if e[stop:].any():
             words += ", but not on all finer meshes: is this value right?"

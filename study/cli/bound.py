@@ -133,7 +133,7 @@ def do_bound(options: Namespace) -> int:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *contact_sentences(data.body)]
     if any(squares):
-        worst = vertices[:, triangles[:, int(np.argmax(squares))]].mean(axis=1)
+        worst = vertices[:, triangles[:, np.argmax(squares)]].mean(axis=1)
         sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
     last = DataFrame(rows[-1]["series"])
     names = [one.file_name for one in displacements if one.file_name]
@@ -349,7 +349,7 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     # Bodies without contact have no array to concatenate, so each list starts with an empty array.
     ends = [np.empty((2, 2, 0))]
     closed = [np.empty(0, dtype=bool)]
-    size = max(float(abs(displacement).max()), np.finfo(float).tiny)
+    size = max(abs(displacement).max(), np.finfo(float).tiny)
     for part, facets in MeshedBody(mesh, data.body).on(Kind.CONTACT):
         vertices = mesh.facets[:, facets]
         ends.append(mesh.p[:, vertices])

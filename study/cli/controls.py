@@ -7,6 +7,7 @@ judged that the study claims to hold there. The results are added to the record 
 import shutil
 import time
 from argparse import Namespace
+from math import inf
 from pathlib import Path
 from secrets import randbits
 
@@ -174,7 +175,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     Returns:
         0 if all checks hold, otherwise 1.
     """
-    verdicts, _ = judged(seed, directory, pool, f"seed {seed}", float("inf"))
+    verdicts, _ = judged(seed, directory, pool, f"seed {seed}", inf)
     alarms = _print_alarms(verdicts)
     print(f"{len(verdicts)} checks; {alarms} do not hold")
     recorded = [row for row in SeedRecord.read(directory).rows if row.seed == seed]

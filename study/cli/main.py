@@ -71,7 +71,7 @@ def _run(words: list[str]) -> int:
     try:
         # Only the module of this command is imported, because importing the solvers takes seconds.
         command = getattr(importlib.import_module(f"study.cli.{module}"), name)
-        code = int(command(options))
+        code: int = command(options)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -91,7 +91,7 @@ def _run(words: list[str]) -> int:
         print(f"study: {message}", file=sys.stderr)
         if isinstance(error, OSError):
             _close_output()
-        return int(code)
+        return code
 
 
 def do_rates(options: Namespace) -> int:

@@ -71,14 +71,14 @@ def problem_drawing(name: str, data: Data, solved: MeshInTime | None = None) -> 
         time = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
     else:
         (vertices, cells), (times, displacements) = solved
-        at = int(abs(displacements).max(axis=(1, 2)).argmax())
+        at = abs(displacements).max(axis=(1, 2)).argmax()
         time = times[at]
         factor = magnification(body.vertices, displacements[at : at + 1])
         meshes = [Triangulation(*x, cells.T) for x in (vertices, vertices + factor * displacements[at])]
         moved = f", and the mesh moved by {factor:g} times its displacement"
     when = f", t = {time:.3g}" if data.in_time else ""
     text = caption("problem_picture", name=name, moved=moved, when=when)
-    draw = partial(draw_problem, f"{name}{when}", data, float(time), meshes, factor)
+    draw = partial(draw_problem, f"{name}{when}", data, time, meshes, factor)
     return Drawing("problem", draw, text, f"The problem {name}")
 
 
@@ -185,7 +185,7 @@ def _draw_side(axes: Axes, part: Part, number: int, size: float) -> None:
     if part.kind.name in SUPPORT_STYLES:
         axes.fill(*band(part.corners, outward[:, None]), zorder=3, **SUPPORT_STYLES[part.kind.name])
     x, y = part.corners.mean(axis=1) - NUMBER_DISTANCE * outward
-    moved = float(norm(part.prescribed(part.corners), axis=0).max())
+    moved = norm(part.prescribed(part.corners), axis=0).max()
     label, frame = (f"{number}: |u| ≤ {moved:.3g}", "round") if moved else (str(number), "circle")
     box = dict(boxstyle=f"{frame},pad=0.15", facecolor="white", edgecolor=GREEN, linewidth=0.6)
     axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)

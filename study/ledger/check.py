@@ -79,9 +79,9 @@ class Check:
         verdict = UNDECIDED
         if values and all(each.size for each in values):
             every = np.concatenate(values)
-            decisive = [float(each[-1]) if self.finest else self.window.worst(each.tolist()) for each in values]
+            decisive = [each[-1] if self.finest else self.window.worst(each.tolist()) for each in values]
             observed = self.window.worst(decisive)
-            span = float(every.min()), float(every.max())
+            span = every.min(), every.max()
             verdict = HOLDS if self.window.contains(*every) else UNDECIDED
             verdict = verdict if self.window.contains(*decisive) else FAILS
         expected = self.window.text
@@ -120,7 +120,7 @@ paper_claim, consequence, accuracy, identity = (partial(Check, kind=kind) for ki
 
 def by_family(rows: DataFrame) -> Groups:
     """Divide a table by mesh families, and return a dictionary: name of the family ↦ its rows, coarse to fine."""
-    return {str(name): table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
+    return {name: table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
 
 
 def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
@@ -137,4 +137,4 @@ def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
         groups = {}
         for family, table in by_family(of_case).items():
             groups[family] = table.pivot(index=["level", "h"], columns="quantity", values="value").reset_index()
-        yield str(case), groups
+        yield case, groups

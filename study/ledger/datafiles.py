@@ -79,7 +79,8 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
             if table.columns[column].empty:
                 wrong &= frame[column].notna()
             if wrong.any():
-                row = first_row(wrong)
+                # Rows are counted: in rows with too many cells, pandas takes the first cells for labels.
+                row = wrong.argmax()
                 cell = frame[column].astype(object).fillna("").iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
@@ -175,15 +176,6 @@ def line(row: int) -> int:
     return row + 2
 
 
-def first_row(chosen: Series) -> int:
-    """Return the number of the first row of a table, counted from 0, for which ``chosen`` is true.
-
-    The label of a row is not its number if rows have a cell more than there are columns: pandas takes their first cells
-    for labels.
-    """
-    return int(chosen.to_numpy().argmax())
-
-
 def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str) -> None:
     """Raise an error if two rows of a table have the same key.
 
@@ -198,8 +190,8 @@ def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str)
     """
     keys = table[[*key]]
     if (again := keys.duplicated()).any():
-        row = first_row(again)
-        first = first_row((keys == keys.iloc[row]).all(axis=1))
+        row = again.argmax()
+        first = (keys == keys.iloc[row]).all(axis=1).argmax()
         names = ", ".join(f"{name} {cell}" for name, cell in keys.iloc[row].items())
         raise DataError(
             f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
@@ -216,7 +208,7 @@ def write_csv(path: Path, table: DataFrame) -> Path:
 
 def table_text(table: DataFrame) -> str:
     """Return the text of the CSV file that ``write_csv`` writes."""
-    return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    return table.to_csv(index=False, float_format="%.12g", lineterminator="\n")
 
 
 @dataclass(frozen=True)
@@ -306,7 +298,7 @@ def read_rates(directory: Path) -> DataFrame:
     # Figures cannot show infinite errors.
     numbers = [name for name in SCHEMA["rates.csv"].numbers if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
-        row = first_row(infinite.any(axis=1))
+        row = infinite.any(axis=1).argmax()
         raise DataError(
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"
@@ -370,7 +362,7 @@ def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
         For each statement its label, claim in words, and checks. Two claims may have the same label.
     """
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
-        yield str(label), str(claim), rows
+        yield label, claim, rows
 
 
 def with_orders(table: DataFrame) -> DataFrame:

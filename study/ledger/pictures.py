@@ -41,7 +41,7 @@ class Packed:
             values: the values; the first axis is the time.
             steps: number of units in the largest absolute value, for example UNITS or FINE_UNITS; at most 32 767.
         """
-        unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
+        unit = float(f"{abs(values).max(initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))
 
     @property
@@ -57,7 +57,7 @@ class Packed:
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {
             "unit": self.unit,
-            "shape": list(changes.shape),
+            "shape": changes.shape,
             "changes": b64encode(zlib.compress(changes.tobytes(), 9)).decode("ascii"),
         }
 

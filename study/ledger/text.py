@@ -57,7 +57,7 @@ def power_of_ten(value: float, least: float) -> float:
 
 
 def _to_decimals(value: float, decimals: int, rounding: str) -> str:
-    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))
+    return str(Decimal(str(value)).quantize(Decimal(1).scaleb(-decimals), rounding))
 
 
 below = partial(_to_decimals, rounding=ROUND_FLOOR)

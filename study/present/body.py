@@ -278,13 +278,13 @@ def draw_shapes(
     for axes, instant in zip(panels, picture.shown, strict=True):
         draw_deformed_mesh(axes, picture, instant, scale, width)
         axes.set_title(picture.clock(instant))
-    draw_keys(figure, list(panels), picture, scale, columns, **layout)
+    draw_keys(figure, panels, picture, scale, columns, **layout)
     figure.suptitle(picture.heading)
 
 
 def draw_keys(
     figure: Figure,
-    panels: list[Axes],
+    panels: Sequence[Axes],
     picture: Picture,
     scale: BodyScale,
     columns: int,
@@ -720,4 +720,4 @@ def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more
         more: further arguments of Matplotlib's ``annotate``.
     """
     style = dict(arrowstyle="-|>", color=colour, lw=0.9, shrinkA=0, shrinkB=0, mutation_scale=head)
-    axes.annotate("", tuple(end), tuple(start), arrowprops=style, **more)
+    axes.annotate("", end, start, arrowprops=style, **more)

@@ -191,8 +191,8 @@ class Picture:
     """
 
     def __init__(self, record: Json) -> None:
-        self.case = str(record["case"])
-        self.family = str(record["family"])
+        self.case = record["case"]
+        self.family = record["family"]
         self.level = int(record["level"])
         names = ("times", "vertices", "displacement", "von_mises")
         self.times, self.vertices, self.displacement, self.von_mises = (read_values(record[name]) for name in names)
@@ -280,7 +280,7 @@ def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistor
     """
     names = [field.name for field in fields(FaceHistory) if field.name not in ("times", "number")]
     common: Json = {name: read_values(record[name]) for name in names}
-    common |= {"times": times, "number": int(record["face"])}
+    common |= {"times": times, "number": record["face"]}
     if not plane:
         nodes = np.array(record["nodes"], dtype=np.int64)
         level = read_values(record["level_exact"])
