@@ -346,17 +346,19 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     """Return the diagnosis if errors grow, stagnate or reach round-off on the finest meshes, otherwise None."""
     orders = consecutive_orders(h, e)
     n = len(e)
+    coarsest = e[0]
+    finest = e[-1]
     stall = _behind_last(orders > STALLED)
     first, verdict = _judge(h, e, expectation)
     # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
     falls_as_expected = verdict == HOLDS and orders[first:].min() > 0
-    if (stall == n - 1 or falls_as_expected) and e[-1] < e[0]:
+    if (stall == n - 1 or falls_as_expected) and finest < coarsest:
         return None
     floor = float(np.median(e[stall:]))
     start = f"from h = {h[stall]:.5g} on"
-    if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:
+    if floor <= ROUND_OFF * max(1.0, coarsest) and stall > 0:
         return _above(h, e, stall, floor, "round-off", f"is round-off of about {floor:.2g} {start}", expectation)
-    if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
+    if finest > 2 * e[stall] or (finest >= 1.01 * coarsest and (stall == n - 1 or orders[-1] < -STALLED)):
         words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
         return Diagnosis("grows", words, FAILS)
     question = "" if stall else "; or are these orders or values of a quantity (--values), not errors?"
@@ -454,6 +456,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     first, verdict = _judge(h, e, expectation)
     orders = consecutive_orders(h, e)
     step = 2 * expectation.tolerance
+    listed = _text(orders)
     before, last = np.diff(orders, prepend=orders[0])[-2:]
     # Orders that fall, but settle, fall by less from mesh to mesh.
     drop = 0.8 * before if before < 0 else -step
@@ -463,16 +466,16 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     sentence = f"converges with order {fitted_order(h[quoted], e[quoted]):.2f} (orders {_text(orders[first:])})"
     if verdict == HIGHER:
         kind = "higher than expected"
-        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error?"
+        sentence = f"orders {listed} are higher than expected: superconvergence, or another error?"
     elif verdict != HOLDS and orders.min() < -STALLED:
         kind = "pre-asymptotic"
-        sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
+        sentence = f"errors rise and fall: orders {listed}; no convergence is visible yet"
     elif len(e) > 3 and last < drop and before + last < -0.04:
         kind = "orders falling"
-        sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
+        sentence = f"orders fall on the finest meshes: {listed}; another error may dominate there"
     elif abs(last) > step:
         kind = "pre-asymptotic"
-        sentence = f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
+        sentence = f"pre-asymptotic, orders not settled: {listed}; take finer meshes"
     return Diagnosis(kind, sentence, verdict, first)
 
 

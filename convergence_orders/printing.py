@@ -23,4 +23,4 @@ def printable(text: str, permitted: str = "") -> str:
     >>> printable("L2\x1b[31m")
     'L2\\u001b[31m'
     """
-    return INVISIBLE.sub(lambda found: found[0] if found[0] in permitted else json.dumps(found[0])[1:-1], text)
+    return INVISIBLE.sub(lambda match: match[0] if match[0] in permitted else json.dumps(match[0])[1:-1], text)

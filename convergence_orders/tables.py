@@ -230,8 +230,9 @@ class Row:
         filled = len(self.cells) - self.cells.count("")
         if self.line.comment or "9" not in self.kinds or filled < 2 or len(re.findall(r"=|:\s", self.text)) > 1:
             return False
-        if self.sign == " " and (self.kinds[0] == "9" or not named):
-            return self.kinds[0] == "9"
+        begins_with_number = self.kinds[0] == "9"
+        if self.sign == " " and (begins_with_number or not named):
+            return begins_with_number
         return filled >= 2 * self.kinds.count("a")
 
 
@@ -282,6 +283,7 @@ def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | N
         block: the rows.
         before: tables above the block. If the block has no header, it gets the header of the last one.
     """
+    first = block[0]
     widths = [len(row.cells) for row in block]
     width = max(widths, key=widths.count)
     above = [row for row in above if not all(map(_UNIT.fullmatch, row.cells))]
@@ -292,14 +294,14 @@ def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | N
         if len(block) < 2:
             return None
         raise OrderError(
-            f"the table that begins in line {block[0].line.number}, '{shorten(block[0].text)}', has {width} columns, "
+            f"the table that begins in line {first.line.number}, '{shorten(first.text)}', has {width} columns, "
             "but no line above names them: add a header such as 'h error'"
         )
-    rows = [_cells(row, width, names if row is block[0] else []) for row in block]
+    rows = [_cells(row, width, names if row is first else []) for row in block]
     texts = [row.text.strip() for row in above if row not in header]
     captions = [text for text in texts if not (_SUMMARY.match(text) or text[0] in "\\@.")]
     return Table(
-        form=_FORMS[block[0].sign],
+        form=_FORMS[first.sign],
         names=names,
         columns=[*map(list, zip(*rows, strict=True))],
         places=[f"line {row.line.number}" for row in block],

@@ -273,9 +273,10 @@ def adapt(options: Namespace) -> int:
     with store.locked():
         store.begin(of_data(data))
         for number in count():
+            mesh = stage.mesh
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
-            cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
+            cache_key = of_problem(data, case, (mesh.p, mesh.t, stage.steps, scheme))
             path = stage_file(directory, number)
             compute = partial(_adapted, data, case, stage, scheme, number, path)
             results.append(store.cached(f"adapted-{number}", cache_key, compute, path))
@@ -294,13 +295,13 @@ def adapt(options: Namespace) -> int:
         # If ``study bound`` has written the bounds on uniform meshes for this problem, the figure shows them, too.
         levels = directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else DataFrame()
-        edges, closed = contact_edges(data, stage.mesh, at_vertices[1][-1])
-        shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
+        edges, closed = contact_edges(data, mesh, at_vertices[1][-1])
+        shown = Triangulation(*mesh.p, mesh.t.T)
         result = AdaptiveRefinement(
             name, "max " * data.in_time + NORM[data.in_time], shown, edges, closed, rows, uniform
         )
         drawn = draw_one(directory, figure("adaptive", result, case=name))
-        solved = (stage.mesh.p, stage.mesh.t), at_vertices
+        solved = (mesh.p, mesh.t), at_vertices
         drawn += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
     tell_written([table, *paths, *drawn])
     sentences = [*results[-1]["sentences"], *contact_sentences(data.body)]

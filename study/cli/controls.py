@@ -86,23 +86,25 @@ def do_seeds(options: Namespace) -> int:
     if options.seed is not None:
         # A seed that is too long for the name of a directory raises an error here.
         family_named(f"shaken-{options.seed}")
-    Store(options.out).check()
+    directory = options.out
+    store = Store(directory)
+    store.check()
     with local_pool(options.jobs) as pool:
         if options.seed is not None:
-            return _again(options.seed, options.out, pool)
-        with Store(options.out).locked():
-            _fill(options.out, pool, time.monotonic() + 60 * options.minutes, options.seeds)
-    record = SeedRecord.read(options.out)
+            return _again(options.seed, directory, pool)
+        with store.locked():
+            _fill(directory, pool, time.monotonic() + 60 * options.minutes, options.seeds)
+    record = SeedRecord.read(directory)
     if not any(row.judged >= 0 for row in record.rows):
         begun = "; the next call continues the seed that was begun" if record.pending() else ""
         print(f"no seed was finished: give more time with --minutes{begun}")
         return UNCLEAR
     alarms = FalseAlarms(record)
-    print(f"\n{alarms.text()}\ndata: {record.write(options.out)}")
+    print(f"\n{alarms.text()}\ndata: {record.write(directory)}")
     return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[alarms.verdict]
 
 
-def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
+def _fill(directory: Path, pool: Pool, end: float, most: int) -> None:
     """Judge the checks on random meshes with new seeds, and record the results.
 
     If an earlier call did not finish a seed, this seed comes first.
@@ -112,9 +114,9 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         end: when the run must stop, on the clock ``time.monotonic()``.
         most: largest number of seeds.
     """
-    done = 0
-    while done < most and time.monotonic() < end:
-        done += 1
+    for _ in range(most):
+        if time.monotonic() >= end:
+            return
         record = SeedRecord.read(directory)
         if record.pending() is None:
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.

@@ -39,10 +39,11 @@ from study.statements.shared.scope import regular
 
 def do_tables(options: Namespace) -> int:
     """Judge the data, and write ``claims.csv`` and the tables; return 0."""
-    read_provenance(options.out)
-    with Store(options.out).steady():
-        judge(options.out)
-        tell_written([claims_file(options.out), *write_tables(options.out)])
+    directory = options.out
+    read_provenance(directory)
+    with Store(directory).steady():
+        judge(directory)
+        tell_written([claims_file(directory), *write_tables(directory)])
     return OK
 
 
@@ -52,9 +53,10 @@ def do_report(options: Namespace) -> int:
     Raises:
         DataError: ``claims.csv`` differs from the checks that follow from the data; then no report is written.
     """
-    with Processes(options.jobs) as processes, Store(options.out).steady():
-        compare_claims(options.out, verdicts(options.out))
-        print(write_report(options.out, read_provenance(options.out), processes.map))
+    directory = options.out
+    with Processes(options.jobs) as processes, Store(directory).steady():
+        compare_claims(directory, verdicts(directory))
+        print(write_report(directory, read_provenance(directory), processes.map))
     return OK
 
 

@@ -190,5 +190,5 @@ def command_line(options: Namespace) -> str:
         value = getattr(options, name)
         if value != usual:
             values = value if isinstance(value, list) else [value]
-            words += [f"--{name}", *(f"{each:g}" if name == "step" else str(each) for each in values)]
+            words += [f"--{name}", *map(str, values)]
     return shlex.join(words)

@@ -232,12 +232,14 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     The contact zone is a thick line, the pressure is shown by arrows. The gap is drawn below the surface of the
     foundation with its own scale, because it is small compared with the magnified displacements.
     """
+    normal = face.normal[:, None]
+    longest = ARROW_LENGTH * scale.size * normal
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
-    ground = band(ends, THICKNESS * scale.size * face.normal[:, None])
+    ground = band(ends, THICKNESS * scale.size * normal)
     axes.fill(*ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5)
     axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
     if scale.gap > NEGLIGIBLE_CONTACT:
-        depth = ARROW_LENGTH * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
+        depth = longest * face.gap[instant].clip(0) / scale.gap
         axes.fill(*band(face.x, depth), **GAP_STYLE, zorder=0.6)
     for interval in face.computed_zone(instant):
         points = [np.interp(interval, face.s, component) for component in face.x]
@@ -245,7 +247,7 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     every = max(1, round(len(face.s) / MOST_ARROWS))
     shown = np.flatnonzero(face.touching[instant])
     shown = shown[shown % every == 0]
-    arrows = -face.normal[:, None] * ARROW_LENGTH * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
+    arrows = -longest * face.pressure[instant, shown] / (scale.pressure or 1.0)
     axes.quiver(
         *face.x[:, shown],
         *arrows,

@@ -233,9 +233,10 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Pat
     Raises:
         DataError: a name from the data would write the figure into another directory.
     """
-    if set(drawing.name) & {"/", "\\", "\0"}:
+    name = drawing.name
+    if set(name) & {"/", "\\", "\0"}:
         raise DataError(
-            f"the figure {drawing.name!r} cannot be written, as its name contains a path separator or NUL: the data "
+            f"the figure {name!r} cannot be written, as its name contains a path separator or NUL: the data "
             "were edited or damaged"
         )
     with in_style(output):
@@ -248,12 +249,12 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Pat
         figure.set_layout_engine("none")
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
         written = [
-            write_whole(directory / f"{drawing.name}.{suffix}", partial(_save, figure, drawing, suffix))
+            write_whole(directory / f"{name}.{suffix}", partial(_save, figure, drawing, suffix))
             for suffix in output.suffixes
         ]
-    written.append(write_text(directory / f"{drawing.name}.txt", caption_text(drawing)))
+    written.append(write_text(directory / f"{name}.txt", caption_text(drawing)))
     if (table := drawing.table()) is not None:
-        written.append(write_text(directory / f"{drawing.name}.csv", table.to_csv(index=False)))
+        written.append(write_text(directory / f"{name}.csv", table.to_csv(index=False)))
     return written
 
 

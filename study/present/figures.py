@@ -186,7 +186,7 @@ def drawings_of(
     # A figure with axes for each of many cases cannot be read on a slide.
     figures = [drawing for drawing in drawings(directory) if not (slides and drawing.sheet)]
     for option, kind, of, wanted in (("--case", "case", "case", cases), ("--only", "figure", "name", names)):
-        known = list(dict.fromkeys(getattr(drawing, of) for drawing in figures if getattr(drawing, of)))
+        known = dict.fromkeys(getattr(drawing, of) for drawing in figures if getattr(drawing, of))
         if unknown := [name for name in wanted if name not in known]:
             raise UsageError(f"{option} {unknown[0]}: {directory} has no such {kind}, only {', '.join(known)}")
         figures = [drawing for drawing in figures if not wanted or getattr(drawing, of) in wanted]

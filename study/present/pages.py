@@ -124,8 +124,9 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     if data and (root / "pyproject.toml").is_file():
         for name, badge in badges(data, root / "pyproject.toml").items():
             expected[directory / "badges" / name] = badge, BY_PAGES
-        if (root / "README.md").is_file():
-            expected[root / "README.md"] = refreshed(root / "README.md", data), BY_PAGES
+        readme = root / "README.md"
+        if readme.is_file():
+            expected[readme] = refreshed(readme, data), BY_PAGES
     return {path: (text, made_by.format(directory)) for path, (text, made_by) in expected.items() if path.is_file()}
 
 
