@@ -236,9 +236,13 @@ class Row:
         return filled >= 2 * self.kinds.count("a")
 
 
+Block = list[Row]
+"""Consecutive rows."""
+
+
 def _grids(lines: list[Line]) -> list[Table]:
     """Return the tables whose cells are separated by a sign or by blanks. A table is rows with a header above them."""
-    rows: list[Row] = []
+    rows: Block = []
     most = 0
     for sign in reversed(_FORMS):
         divided = [Row(line, sign) for line in lines]
@@ -253,13 +257,13 @@ def _grids(lines: list[Line]) -> list[Table]:
     return tables
 
 
-def _blocks(rows: list[Row]) -> Iterator[tuple[list[Row], list[Row]]]:
+def _blocks(rows: Block) -> Iterator[tuple[Block, Block]]:
     """Yield the blocks of consecutive rows that may be tables, each with the lines between it and the block before."""
     # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
     first = [row.kinds[0] for row in rows if row.is_data(True)]
     named = first.count("a") > first.count("9")
-    above: list[Row] = []
-    block: list[Row] = []
+    above: Block = []
+    block: Block = []
     for row in rows:
         left_out = row.line.comment or (not named and _SUMMARY.match(row.cells[0] or row.text))
         as_wide = block and row.sign != " " and "9" in row.kinds and len(row.cells) == len(block[0].cells)
@@ -275,7 +279,7 @@ def _blocks(rows: list[Row]) -> Iterator[tuple[list[Row], list[Row]]]:
         yield above, block
 
 
-def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | None:
+def _below(above: Block, block: Block, before: list[Table]) -> Table | None:
     """Return the table whose rows stand below the names of its columns; None if it has one row and no names.
 
     Parameters:
@@ -334,7 +338,7 @@ def _cells(row: Row, width: int, names: Cells) -> Cells:
     return [*row.cells[:width], *[""] * missing]
 
 
-def _header(above: list[Row], block: list[Row], width: int) -> tuple[Cells, list[Row]]:
+def _header(above: Block, block: Block, width: int) -> tuple[Cells, Block]:
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     for upper, row in reversed([*pairwise([*above[:1], *above])]):
         names = _names(row, block, width)
@@ -344,7 +348,7 @@ def _header(above: list[Row], block: list[Row], width: int) -> tuple[Cells, list
     return [], []
 
 
-def _names(header: Row, block: list[Row], width: int) -> Cells:
+def _names(header: Row, block: Block, width: int) -> Cells:
     """Return the names of columns in a line; an empty list if the line does not name the columns.
 
     If blanks separate the cells, a name may be missing for columns of orders, whose first cell is missing, and for the
@@ -366,7 +370,7 @@ def _names(header: Row, block: list[Row], width: int) -> Cells:
     return []
 
 
-def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> Cells:
+def _placed(header: Row, block: Block, width: int, named: list[int]) -> Cells:
     """Return the names of columns that follow from the places of the words in the header; empty if a column has none.
 
     Parameters:
@@ -414,7 +418,7 @@ def _joined(heading: str, name: str) -> str:
 # Tables with one line or one list for each quantity.
 
 
-def _across(block: list[Row]) -> Table | None:
+def _across(block: Block) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
     columns: Columns = {}
     for row in block:

@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from study.cli.common import ProgressBar, code_of, job_progress, known_undecided, tell_written
 from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
+from study.ledger.files import Json
 from study.ledger.text import folded
 from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
@@ -140,7 +140,7 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
             print(f"study: {directory} has {case.name} on the levels {old}: {new} added", file=sys.stderr)
         own = (*scope.own, (case.name, Levels(tuple(sorted(had | given)))))
         equivalence = "equivalence" if case.solution.body.dim == 2 else "solid_equivalence"
-        both: dict[str, Any] = {equivalence: tuple(sorted(compared | {*getattr(scope, equivalence)}))}
+        both: Json = {equivalence: tuple(sorted(compared | {*getattr(scope, equivalence)}))}
         scope = replace(scope, own=own, **both)
     return scope
 

@@ -114,15 +114,15 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> Json:
     return tree
 
 
-def planned_keys(provenance: Mapping[str, Any]) -> list[Key]:
+def planned_keys(provenance: Json) -> list[Key]:
     """Return the keys of the rows that a run planned, from the content of its ``provenance.json``.
 
     The entry ``planned`` has the form that ``nested_keys`` returns. Without this entry the list is empty.
     """
 
-    def flatten(tree: Mapping[str, Any], start: Key) -> Iterator[Key]:
+    def flatten(tree: Json, start: Key) -> Iterator[Key]:
         for text, rest in tree.items():
-            if isinstance(rest, Mapping):
+            if isinstance(rest, dict):
                 yield from flatten(rest, (*start, text))
             else:
                 yield from ((*start, text, last) for last in rest)
@@ -340,8 +340,7 @@ def read_claims(directory: Path) -> DataFrame:
 
 def count_verdicts(claims: DataFrame) -> dict[str, int]:
     """Return verdict ↦ number of checks with this verdict, perhaps 0; ``claims`` has rows of ``claims.csv``."""
-    counts: dict[str, int] = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0).to_dict()
-    return counts
+    return claims.verdict.value_counts().reindex(VERDICTS, fill_value=0).to_dict()
 
 
 def count_kinds(claims: DataFrame) -> dict[str, int]:
@@ -351,8 +350,7 @@ def count_kinds(claims: DataFrame) -> dict[str, int]:
         claims: rows of ``claims.csv``, the table of all checks.
     """
     kinds = claims[claims.verdict == HOLDS].kind
-    counts: dict[str, int] = kinds.value_counts().reindex([*CheckKind], fill_value=0).to_dict()
-    return counts
+    return kinds.value_counts().reindex([*CheckKind], fill_value=0).to_dict()
 
 
 def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:

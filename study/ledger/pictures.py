@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import zlib
 from base64 import b64decode, b64encode
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from study.ledger.files import Json
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -49,7 +50,7 @@ class Packed:
         """The rounded values; the first axis is the time."""
         return self.unit * self.multiples.astype(np.float64)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Json:
         """Return the rounded values as a dictionary that can be written as JSON; ``read`` reads it.
 
         The whole numbers are stored as differences from one time to the next, compressed by zlib, as base-64 text.
@@ -62,7 +63,7 @@ class Packed:
         }
 
     @classmethod
-    def read(cls, record: Mapping[str, Any]) -> Packed:
+    def read(cls, record: Json) -> Packed:
         """Return rounded values from a dictionary that ``record`` has returned.
 
         Raises:

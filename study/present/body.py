@@ -339,7 +339,7 @@ def draw_body(picture: Picture) -> Figure:
     aspect = BodyScale(picture).aspect
     figure = Figure(figsize=(column_width(), 0.7 + 0.45 * bars + (column_width() - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
-    layout: dict[str, Any] = dict(orientation="horizontal", fraction=0.05, shrink=0.7, pad=0.02)
+    layout: Style = dict(orientation="horizontal", fraction=0.05, shrink=0.7, pad=0.02)
     if is_slide():
         layout = dict(fraction=0.04, shrink=0.8)
     draw_shapes(figure, panels, picture, column_width() / count, 2, **layout)

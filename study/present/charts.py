@@ -39,7 +39,7 @@ from study.present.drawing import (
     legend,
     page_width,
 )
-from study.present.outcome import finest_orders, order_differences
+from study.present.outcome import Orders, finest_orders, order_differences
 from study.present.picture import Bools
 from study.present.templates import counted
 
@@ -53,8 +53,6 @@ RULE: Style = dict(color=GREY, lw=0.6)
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
 MESH_SIZE = "mesh size $h$"
-Orders = Mapping[str, float]
-"""Case ↦ order."""
 Lines = dict[str, tuple[str, Style]]
 """Column of a table ↦ its text in the legend, and the style of its lines."""
 

@@ -21,7 +21,7 @@ from pandas import DataFrame
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from study.ledger.datafiles import DataError
-from study.ledger.files import Paths, UsageError, write_text, write_whole
+from study.ledger.files import Json, Paths, UsageError, write_text, write_whole
 from study.present.templates import ENVIRONMENT, read_page
 
 OUTLINE, RIM = "0.35", "0.4"
@@ -260,7 +260,7 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Pat
 
 def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:
     """Save a figure with its alternative text in the format ``suffix``."""
-    options: dict[str, Any] = {}
+    options: Json = {}
     if suffix in ALTERNATIVE:
         texts = {"Title": drawing.name, ALTERNATIVE[suffix]: drawing.alternative}
         options["metadata"] = dict.fromkeys(CHANGING[suffix]) | texts

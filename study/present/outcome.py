@@ -6,7 +6,6 @@ from functools import partial
 from math import ceil, inf, isinf, isnan
 from pathlib import Path
 from textwrap import fill, wrap
-from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
@@ -17,7 +16,7 @@ from tabulate import tabulate
 from convergence_orders.printing import printable
 from study.ledger.check import by_family
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
-from study.ledger.files import write_text
+from study.ledger.files import Json, write_text
 from study.ledger.quantities import RatesError, orders
 from study.ledger.text import cell, down, interval, is_narrow, outwards, significant, up, width
 from study.ledger.verdict import (
@@ -34,6 +33,8 @@ from study.present.templates import ENVIRONMENT, read_page
 
 SENTENCES: dict[str, str] = read_page("texts")["printed"]
 """Name of a printed sentence ↦ its template."""
+Orders = Mapping[str, float]
+"""Case ↦ order."""
 MOST_DETAILED_CASES = 3
 """If a run has at most this number of cases, its reported numbers without a claim are printed, too."""
 
@@ -80,7 +81,7 @@ def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
     return by_name
 
 
-def order_differences(rates: DataFrame, expected: Mapping[str, float], refinements: int = 2) -> DataFrame:
+def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) -> DataFrame:
     """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
 
     Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
@@ -194,7 +195,7 @@ def observed_text(observed: float, low: float, high: float) -> str:
     return f"at least {cell(low)}" if isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: DataFrame, predicted: Mapping[str, float], shown: int) -> list[object]:
+def _rates_row(series: DataFrame, predicted: Orders, shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
@@ -335,7 +336,7 @@ def adaptive_text(
     return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
-def aligned(columns: Mapping[str, Any]) -> list[str]:
+def aligned(columns: Json) -> list[str]:
     """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
 
     Args:

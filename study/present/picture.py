@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
 from json import loads
@@ -266,7 +266,7 @@ class Picture:
 
 def read_values(entry: Any) -> Array:
     """Return the array in an entry of a JSON file, which is a list of numbers or has the form of ``Packed.record``."""
-    return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
+    return Packed.read(entry).values if isinstance(entry, dict) else np.array(entry, dtype=float)
 
 
 def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistory:
@@ -304,8 +304,7 @@ def picture_path(directory: Path, case: str) -> Path:
 
 def read_record(path: Path) -> Json:
     """Return the content of a compressed JSON file; raises ValueError if the file is damaged."""
-    record: Json = loads(read_uncompressed(path))
-    return record
+    return loads(read_uncompressed(path))
 
 
 def read_picture(directory: Path, case: str) -> Picture:

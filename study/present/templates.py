@@ -23,7 +23,6 @@ from json import loads
 from math import floor, log10
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
@@ -45,7 +44,7 @@ from study.ledger.verdict import NO_ROW, NOT_TESTED, UNCLAIMED, agreement
 from study.ledger.window import STEEPER
 
 
-def read_page(name: str) -> dict[str, Any]:
+def read_page(name: str) -> Json:
     """Return the texts in ``page/NAME.toml``."""
     return tomllib.loads((Path(__file__).parent / "page" / f"{name}.toml").read_text(encoding="utf-8"))
 
