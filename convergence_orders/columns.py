@@ -86,9 +86,11 @@ class Series:
         Parameters:
             what: what the columns have, ``errors`` or ``values``.
         """
-        names = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
-        ignored = f"; ignored: {', '.join(names)}" if names else ""
-        return f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}{ignored}"
+        line = f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}"
+        ignored = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
+        if ignored:
+            line += f"; ignored: {', '.join(ignored)}"
+        return line
 
 
 class Column:
@@ -183,7 +185,8 @@ def columns_of(table: Table, comma: bool) -> list[Column]:
     for k, cells in enumerate(table.columns):
         if k and not names[k] and is_missing(cells[0]) and not all(map(is_missing, cells)):
             # Columns of orders need no name. Their first cell is missing.
-            names[k] = "order of " + names[k - 1].removeprefix("order of ")
+            owner = names[k - 1].removeprefix("order of ")
+            names[k] = f"order of {owner}"
         if not k and cells[0] and (kind_of(cells[0]) == "a" or role(names[0]) in ("degree", "other")):
             # The name of a series may span the empty cells below it.
             cells = [next(filter(None, cells[j::-1])) for j in range(len(cells))]
@@ -378,7 +381,8 @@ class Reading:
                 "one above, or --in NAME for the column of sizes"
             )
         for column in self.errors:
-            if (np.diff(consecutive_orders(h, column.numbers[rows])) > 1).any():
+            orders = consecutive_orders(h, column.numbers[rows])
+            if (np.diff(orders) > 1).any():
                 raise OrderError(
                     f"the orders of {column.name} rise by more than 1 from row to row, where another series may begin: "
                     "give a column with the mesh sizes or the name of the series"
@@ -438,7 +442,8 @@ def _correct(column: Column, errors: list[Column]) -> None:
     Quotients may equal the orders of other errors. So a column behind several columns of errors keeps the role of its
     name if it is called orders.
     """
-    quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
+    last = errors[-1].numbers
+    quotients = last[:-1] / last[1:]
     below = column.numbers[1:]
     above = column.numbers[:-1]
     certain = len(errors) == 1 or column.role != "order" or column.name.startswith("order of")

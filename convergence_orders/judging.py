@@ -117,7 +117,7 @@ def check_orders(
 
 def _cells(column: Any, name: str) -> list[str]:
     """Return the entries of a column as text."""
-    if any(isinstance(entry, str) for entry in (column if hasattr(column, "__len__") else ())):
+    if hasattr(column, "__len__") and any(isinstance(entry, str) for entry in column):
         # pandas writes NaN into the empty cells of a column of words.
         return ["" if isinstance(entry, float) and math.isnan(entry) else str(entry) for entry in column]
     return [repr(value) for value in real_numbers(column, name).tolist()]

@@ -137,8 +137,10 @@ class OrderResult:
     @property
     def conclusion(self) -> str:
         """The verdict, what the errors do, and the expected order, in one line."""
+        if not self.verdict:
+            return self.sentence
         wanted = f"; expected {self.expectation}" if self.expectation.judges else ""
-        return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
+        return f"{self.verdict}: {self.sentence}{wanted}"
 
 
 @np.errstate(all="ignore")
@@ -160,7 +162,10 @@ def fitted_order(h: ArrayLike, errors: ArrayLike) -> float:
     It is NaN for fewer than two meshes, and if an error is zero or not finite.
     """
     x, y = np.log(np.asarray([h, errors], dtype=float))
-    return float(np.polyfit(x, y, 1)[0]) if len(x) > 1 and np.isfinite(y).all() else math.nan
+    if len(x) < 2 or not np.isfinite(y).all():
+        return math.nan
+    slope, _ = np.polyfit(x, y, 1)
+    return float(slope)
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
@@ -198,19 +203,24 @@ def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
     if not changes.all():
         return math.nan, math.nan
     sign = np.prod(np.sign(changes))
+    quotient = abs(changes[0] / changes[1])
 
-    def excess(p: float) -> float:
-        return float((np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine)) - abs(changes[0] / changes[1]))
+    def is_large(p: float) -> bool:
+        left = (np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine))
+        return bool(left >= quotient)
 
     low = 1e-9
     high = 100.0
-    if excess(low) >= 0:
+    if is_large(low):
         return math.nan, -math.inf
-    if excess(high) <= 0:
+    if not is_large(high):
         return math.nan, math.inf
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+        if is_large(middle):
+            high = middle
+        else:
+            low = middle
     return float(finest[-1] + changes[1] / np.expm1(low * fine)), low
 
 

@@ -90,7 +90,9 @@ def decode(data: bytes) -> str:
 def shorten(text: str, width: int = 60) -> str:
     """Return a text with at most ``width`` signs."""
     restored = text.translate(NORM_BARS)
-    return restored if len(restored) <= width else restored[: width - 1] + "…"
+    if len(restored) > width:
+        return restored[: width - 1] + "…"
+    return restored
 
 
 # Lines without the signs of LaTeX, Markdown and programs.
@@ -107,7 +109,9 @@ NORM_BARS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
 def _difference(found: re.Match[str]) -> str:
     """Return the error of a computed value, which a line gives together with the exact one."""
     computed, exact = map(to_number, found.groups())
-    return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
+    if computed is None or exact is None:
+        return found[0]
+    return f"{abs(computed - exact):.9g}"
 
 
 _CLEANED: Rewriting = [
@@ -236,6 +240,7 @@ class Row:
         return filled >= 2 * self.kinds.count("a")
 
 
+_WORD = re.compile(r"\S+")
 Block = list[Row]
 """Consecutive rows."""
 
@@ -343,8 +348,11 @@ def _header(above: Block, block: Block, width: int) -> tuple[Cells, Block]:
     for upper, row in reversed([*pairwise([*above[:1], *above])]):
         names = _names(row, block, width)
         if names and all(re.search(r"[^\W\d_]|[#‖|\ue000\ue001]", name) for name in names if name):
-            grouped = _grouped(upper, names) if 0 < row.line.number - upper.line.number <= 2 else []
-            return grouped or names, [row, upper] if grouped else [row]
+            close = 0 < row.line.number - upper.line.number <= 2
+            grouped = _grouped(upper, names) if close else []
+            if grouped:
+                return grouped, [row, upper]
+            return names, [row]
     return [], []
 
 
@@ -378,12 +386,14 @@ def _placed(header: Row, block: Block, width: int, named: list[int]) -> Cells:
         width: number of columns.
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
-    words = [[word.end() for word in re.finditer(r"\S+", row.text)] for row in block if len(row.cells) == width]
+    ends = [[word.end() for word in _WORD.finditer(row.text)] for row in block if len(row.cells) == width]
     # The region of a column with a name ends where the columns of orders to its right end.
-    stops = np.max(words, axis=0)[np.subtract([*named[1:], width], 1)]
+    last = np.subtract([*named[1:], width], 1)
+    stops = np.max(ends, axis=0)[last]
     names = [""] * len(named)
-    for word in re.finditer(r"\S+", header.text):
-        k = min(int(np.searchsorted(stops, sum(word.span()) / 2, "right")), len(stops) - 1)
+    for word in _WORD.finditer(header.text):
+        middle = sum(word.span()) / 2
+        k = min(int(np.searchsorted(stops, middle, "right")), len(stops) - 1)
         names[k] = f"{names[k]} {word[0]}".strip()
     return names if all(names) else []
 
@@ -397,8 +407,10 @@ def _grouped(upper: Row, names: Cells) -> Cells:
     """
     for start in range(len(names)):
         headings = upper.cells if upper.sign == " " else [*filter(None, upper.cells[start:])]
-        group = names[start : start + (len(names) - start) // max(len(headings), 1)]
-        if len(headings) > 1 and any(group) and names[start:] == group * len(headings):
+        count = len(headings)
+        grouped = names[start:]
+        group = grouped[: len(grouped) // max(count, 1)]
+        if count > 1 and any(group) and grouped == group * count:
             left = names[:start]
             if upper.sign != " ":
                 left = [name or cell for name, cell in zip(left, upper.cells, strict=False)]
@@ -426,7 +438,8 @@ def _across(block: Block) -> Table | None:
         if not words_and_numbers:
             return None
         start = words_and_numbers.end(1)
-        columns[" ".join(row.cells[:start]).strip(" :=")] = row.cells[start:]
+        name = " ".join(row.cells[:start])
+        columns[name.strip(" :=")] = row.cells[start:]
     if any(role(name) in SIZES for name in columns):
         return from_columns("one line for each quantity", columns)
     if not all(map(_orders_between, columns.values())):
@@ -492,7 +505,9 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
             if name in tables[-1] and role(name) in SIZES:
                 tables.append({})
             columns = tables[-1]
-            columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
+            if name in columns:
+                name = f"{name} ({len(columns) + 1})"
+            columns[name] = values
     lists = [from_columns("lists", columns) for columns in tables if len(columns) > 1]
     return lists, {name: values for name, values in singles.items() if len(values) > 1}
 

@@ -9,7 +9,6 @@ from argparse import Namespace
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from hashlib import sha256
 from itertools import count
 from pathlib import Path
 
@@ -241,11 +240,12 @@ def displacements_in_files(
         def shown(u_h: Computed = u_h) -> MeshInTime:
             return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
-        content = sha256(b"".join(array.tobytes() for array in (mesh.p, mesh.t, u_h.times, u_h.nodes)))
-        cache_key = of_problem(data, case, (content.hexdigest(), u_h.steps, u_h.remarks, refined))
+        values = mesh.p, mesh.t, u_h.times, u_h.nodes, u_h.steps, u_h.remarks, refined
+        cache_key = of_problem(data, case, values)
         remark = f"{path}: degree {u_h.degree}, {mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
-        of_file = {"file_name": path.name, "remark": remark}
-        displacements.append(Displacement(f"displacement-{number}", cache_key, compute, shown, **of_file))
+        displacements.append(
+            Displacement(f"displacement-{number}", cache_key, compute, shown, file_name=path.name, remark=remark)
+        )
     return options.out / "-".join([name, *dict.fromkeys(path.stem for path, _ in read)]), displacements
 
 

@@ -75,13 +75,14 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
     frame = read_table(path, (*key, *columns), command)
     for column in table.numbers:
         if column in frame:
-            wrong = pd.to_numeric(frame[column], errors="coerce").isna()
+            cells = frame[column]
+            wrong = pd.to_numeric(cells, errors="coerce").isna()
             if table.columns[column].empty:
-                wrong &= frame[column].notna()
+                wrong &= cells.notna()
             if wrong.any():
                 # Rows are counted: in rows with too many cells, pandas takes the first cells for labels.
                 row = wrong.argmax()
-                cell = frame[column].astype(object).fillna("").iloc[row]
+                cell = cells.astype(object).fillna("").iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
     return frame
@@ -252,12 +253,12 @@ class CsvFile:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name)
 
-    def keys(self, table: DataFrame) -> set[Key]:
-        """Return the keys of all rows of a table, as texts.
+    def keys(self, table: DataFrame) -> list[Key]:
+        """Return the keys of all rows of a table, as texts, in the order of the rows.
 
         A key is a tuple of the name of the file and the cells of the key columns.
         """
-        return {(self.name, *row) for row in table[list(self.key)].astype(str).itertuples(index=False, name=None)}
+        return [(self.name, *row) for row in table[[*self.key]].astype(str).itertuples(index=False, name=None)]
 
 
 @dataclass(frozen=True)

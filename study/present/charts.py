@@ -177,12 +177,13 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     top = base + slope * (end - start)
     corners = 10 ** np.array([[start, base], [end, top], [start, top]])
     axes.fill(*corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
+    shown = f"{slope:.3g}"
     text = dict(textcoords="offset points", fontsize=rcParams["xtick.labelsize"])
     beside = (10**start, 10 ** ((base + top) / 2))
     above_it = (10 ** ((start + end) / 2), 10**top)
     if not small:
-        axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
-    axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
+        axes.annotate(shown, beside, (-2, 0), ha="right", va="center", **text)
+    axes.annotate(shown if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
     # The text needs room above the triangle.
     axes.update_datalim([(10**end, 10 ** (top + 0.13 * decades))])
     axes.autoscale_view()

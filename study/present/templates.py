@@ -224,8 +224,10 @@ def typeset(text: str) -> Markup:
 
 def _tagged(match: re.Match[str]) -> str:
     """Return a superscript or subscript, and scripts in it, in HTML."""
-    tag = _TAGS[match[1]]
-    script = match[2][1:-1] if match[2].startswith("{") else match[2]
+    mark, script = match.groups()
+    tag = _TAGS[mark]
+    if script.startswith("{"):
+        script = script[1:-1]
     return f"<{tag}>{_HTML_SCRIPT.sub(_tagged, script)}</{tag}>"
 
 

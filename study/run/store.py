@@ -73,8 +73,8 @@ class Store:
             return
         for place in self.written:
             written = self.directory / place
-            files = [written] if written.is_file() else sorted(path for path in written.rglob("*") if path.is_file())
-            foreign = next((path for path in files if not path.name.startswith(".")), None)
+            paths = sorted((written, *written.rglob("*")))
+            foreign = next((path for path in paths if path.is_file() and not path.name.startswith(".")), None)
             if foreign:
                 raise StoreError(
                     f"{foreign} was not written by a study, and might be overwritten: give another directory with "
