@@ -131,8 +131,7 @@ def _axes(points: Array) -> tuple[Figure, Axes]:
     shape = np.clip(high / wide, 0.4, 1.4)
     figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5))
     axes = figure.subplots()
-    axes.set_aspect("equal")
-    axes.set(xlabel="$x_1$", ylabel="$x_2$")
+    axes.set(aspect="equal", xlabel="$x_1$", ylabel="$x_2$")
     return figure, axes
 
 

@@ -156,7 +156,7 @@ class BodyScale:
         faces = picture.faces
         stresses = picture.von_mises[at]
         self.view = view_of(picture)
-        self.size = picture.size
+        self.size = np.ptp(picture.vertices, axis=1).max()
         self.magnification = magnification(picture.vertices, picture.displacement[at])
         points = [picture.vertices, *(picture.vertices + self.magnification * picture.displacement[at])]
         points += [face.x + ARROW_LENGTH * self.size * face.normal[:, None] for face in picture.segments]
@@ -683,7 +683,7 @@ def draw_sketch() -> Figure:
 
     axes.add_patch(Rectangle((-0.12, -0.09), 1.74, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot([-0.12, 1.62], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
-    axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
+    axes.fill_between(s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
         arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
     arrow(axes, (1.07, 0.028), (1.07, -0.17), BLACK)

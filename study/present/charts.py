@@ -302,8 +302,8 @@ def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows.predicted + shift, rows.observed, ls="", **style)
-    axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
-    axes.set(xlim=(0, top), ylim=(0, top))
+    axes.set(xlabel="predicted order, families side by side", xlim=(0, top))
+    axes.set(ylabel="observed order, last two refinements", ylim=(0, top))
     return complete(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
 
 
@@ -416,8 +416,7 @@ def draw_enclosure(series: DataFrame, title: str) -> Figure:
             ratios.plot(time, rows[end] / rows[column], color=colour)
         levels.append(Patch(color=colour, **RANGE, label=f"$n={level}$"))
     ratios.axhline(1, **RULE)
-    errors.set(title=title, ylabel=r"$\|u(t)-u_h(t)\|_V$")
-    errors.set_ylim(bottom=lowest)
+    errors.set(title=title, ylabel=r"$\|u(t)-u_h(t)\|_V$", ylim=(lowest, None))
     ratios.set(xlabel="time $t$", ylabel=f"ends over {name}", ylim=(0, 2))
     lines = [entry(name, color=BLACK)]
     if "plain" in series:

@@ -182,7 +182,6 @@ class Picture:
         von_mises: von Mises stresses of the cells, (times, cells).
         shown: the indices of the times at which figures show the body.
         faces: the contact faces.
-        size: the longest side of the box around the undeformed body.
         heading, place: the case, the mesh family and the level, as a title with TeX formulas, and as text for captions.
 
     Raises:
@@ -205,7 +204,6 @@ class Picture:
         plane = len(self.vertices) == 2
         self.shown: Sequence[int] = [int(np.argmin(abs(self.times - time))) for time in record["shapes"]]
         self.faces = [_face(face, self.times, self.cells, plane) for face in record["faces"]]
-        self.size = np.ptp(self.vertices, axis=1).max()
         self.heading = f"{self.case} ({self.family}, $n={self.level}$)"
         self.place = f"{self.case}, {self.family} mesh with n = {self.level}"
 
