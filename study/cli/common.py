@@ -21,7 +21,7 @@ from study.bound.problem import BoundError
 from study.cli.options import BAD_USAGE, FAILED, OK, UNCLEAR
 from study.fem.error_norm import NormError
 from study.fem.mesh import MeshError
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import DataError, Key
 from study.ledger.files import JobsError, Paths, StoreError, UsageError, disk_full
 from study.ledger.quantities import RatesError
 from study.ledger.text import folded
@@ -36,7 +36,7 @@ Result = TypeVar("Result")
 BAR = "{l_bar}{bar}| {elapsed}<{remaining}"
 
 
-def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
+def known_undecided(file: Path | None) -> set[Key]:
     """Return which checks are listed as undecided in a CSV file.
 
     Parameters:

@@ -66,9 +66,9 @@ above = partial(_to_decimals, rounding=ROUND_CEILING)
 """Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
 
 
-def outwards(low: float, high: float, decimals: int = 2) -> str:
-    """Return the range from low to high as text, rounded outwards: "0.92 to 1.00"."""
-    return f"{below(low, decimals)} to {above(high, decimals)}"
+def outwards(low: float, high: float) -> str:
+    """Return the range from low to high as text, rounded outwards to two decimals: "0.92 to 1.00"."""
+    return f"{below(low, 2)} to {above(high, 2)}"
 
 
 def interval(low: float, high: float, digits: int) -> str:

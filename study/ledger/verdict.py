@@ -129,7 +129,7 @@ class Verdict:
     window_high: float
 
     @property
-    def identity(self) -> tuple[str, str, str, str]:
+    def identity(self) -> tuple[str, ...]:
         """Label, key, case and family, which together identify a row of the ledger."""
         return self.label, self.key, self.case, self.family
 

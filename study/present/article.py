@@ -68,8 +68,9 @@ def write_tables(directory: Path) -> Paths:
 def texts(directory: Path) -> TextFiles:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
     by_path: TextFiles = {}
-    for table in [make(directory) for make in RUN_TABLES]:
-        by_path |= table.texts(directory / "tables") if table else {}
+    for make in RUN_TABLES:
+        if table := make(directory):
+            by_path |= table.texts(directory / "tables")
     return by_path | article(directory)
 
 

@@ -473,9 +473,8 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
         uniform = result.uniform
         handles += bounds.plot(uniform.dofs, uniform.plain, color=GREY, marker="s", label="refined everywhere")
     bounds.plot(rows.dofs, rows.error, color=BLUE, ls=":")
-    first = rows.iloc[0]
     last = rows.iloc[-1]
-    x = np.geomspace(first.dofs, last.dofs, 3)
+    x = np.geomspace(rows.dofs.iloc[0], last.dofs, 3)
     y = 0.7 * last.bound * (x / last.dofs) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
     bounds.annotate("slope $-1/2$", (x[1], y[1]), (-5, -5), textcoords="offset points", ha="right", va="top")

@@ -141,10 +141,10 @@ def _kinds(words: Sequence[str]) -> list[bool]:
     """
     kinds = []
     for word in words:
-        marked = any(c in _SYMBOLS for c in word) or bool(_SCRIPT.search(word))
+        marked = any(c in _SYMBOLS for c in word) or _SCRIPT.search(word)
         dotted = any(c in "\u0307\u0303" for c in unicodedata.normalize("NFD", word))
         few_letters = len(_TAIL.sub("", word)) <= 3
-        kinds.append(marked or (dotted and few_letters) or bool(_LETTER.fullmatch(word)))
+        kinds.append(bool(marked or (dotted and few_letters) or _LETTER.fullmatch(word)))
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):
         before = words[i - 1]
@@ -205,7 +205,8 @@ def _joined(atoms: list[str]) -> str:
             merged.append(atom)
     text = ""
     for atom in merged:
-        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalnum() else ""
+        if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalnum():
+            text += " "
         text += atom
     return re.sub(r" +", " ", text).strip()
 
@@ -269,9 +270,9 @@ def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
     return above(scale * rows.high.max(), decimals)
 
 
-def span(rows: DataFrame, decimals: int = 2) -> str:
+def span(rows: DataFrame) -> str:
     """Return the range of the results in rows of ``claims.csv`` as text, such as "0.92 to 1.00", rounded outwards."""
-    return outwards(rows.low.min(), rows.high.max(), decimals)
+    return outwards(rows.low.min(), rows.high.max())
 
 
 def spans(rows: DataFrame) -> str:
