@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
-HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
+HOLDS = "holds"
+FAILS = "fails"
+UNDECIDED = "undecided"
+HIGHER = "higher"
+SKIPPED = "skipped"
+"""Verdicts."""
 TOLERANCE = 0.15
 """Default for the accepted difference between an observed and an expected order."""
 STALLED = 0.2

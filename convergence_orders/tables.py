@@ -20,7 +20,8 @@ Cells = list[str]
 Columns = dict[str, Cells]
 """Name of a column ↦ its cells."""
 MAX_BYTES = 8_000_000
-MAX_LINES, MAX_LINE = 100_000, 130_000
+MAX_LINES = 100_000
+MAX_LINE = 130_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
 
 

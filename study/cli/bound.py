@@ -121,7 +121,8 @@ def do_bound(options: Namespace) -> int:
         solved = displacements[-1].shown()
         written += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
         vertices, triangles = solved[0]
-        squares = rows[-1]["on_cells"]
+        finest = rows[-1]
+        squares = finest["on_cells"]
         if any(squares):
             written += draw_one(directory, error_map(name, vertices, triangles, squares), PROBLEM_OUTPUT)
     tell_written(written)
@@ -130,11 +131,11 @@ def do_bound(options: Namespace) -> int:
     for one in displacements:
         if one.remark:
             print(folded(one.remark))
-    sentences = [*rows[-1]["sentences"], *contact_sentences(data.body)]
+    sentences = [*finest["sentences"], *contact_sentences(data.body)]
     if any(squares):
         worst = vertices[:, triangles[:, np.argmax(squares)]].mean(axis=1)
         sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
-    last = DataFrame(rows[-1]["series"])
+    last = DataFrame(finest["series"])
     names = [one.file_name for one in displacements if one.file_name]
     print(f"\n{bounds_text(name, table, last, sentences, data.in_time, names)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED

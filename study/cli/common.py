@@ -180,12 +180,13 @@ def exit_code_and_message(error: Exception) -> tuple[int, str]:
 
     An unexpected error is raised again, so that its traceback is shown.
     """
+    message = str(error)
     if isinstance(error, REFUSALS):
-        return BAD_USAGE, str(error)
+        return BAD_USAGE, message
     if isinstance(error, JobsError):
-        return FAILED, str(error)
+        return FAILED, message
     if isinstance(error, MemoryError):
-        return FAILED, str(error) or OUT_OF_MEMORY
+        return FAILED, message or OUT_OF_MEMORY
     if isinstance(error, BrokenExecutor):
         return FAILED, KILLED
     if full := disk_full(error):

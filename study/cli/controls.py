@@ -51,8 +51,9 @@ def do_faults(options: Namespace) -> int:
     names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
     code = f"{of_everything()} {' '.join(names)}"
     keys = {case: (f"faults__{name_of(case)}", f"{code} {problem(case)}") for case in cases}
+    count = f"{len(cases)} cases"
     rows: list[dict[str, object]] = []
-    with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), f"{len(cases)} cases") as bar:
+    with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), count) as bar:
         missing = [case for case in cases if store.load(*keys[case]) is None]
         waiting = {case: executor.submit(measure_case, case, names) for case in missing}
         for case in cases:
@@ -64,7 +65,7 @@ def do_faults(options: Namespace) -> int:
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
     lacking = missed(table)
-    print(folded(f"{len(names)} faults, {len(cases)} cases; not noticed as the rules demand: {in_words(lacking)}"))
+    print(folded(f"{len(names)} faults, {count}; not noticed as the rules demand: {in_words(lacking)}"))
     # A selection of cases need not notice every fault.
     return FAILED if lacking and not options.case else OK
 

@@ -13,13 +13,19 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-OK, FAILED, BAD_USAGE, UNCLEAR, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 3, 130, 141
+OK = 0
+FAILED = 1
+BAD_USAGE = 2
+UNCLEAR = 3
+INTERRUPTED = 130
+BROKEN_PIPE = 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEME_NAMES = ("backward-euler", "midpoint", "bdf2")
 FAMILY_NAMES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
 COMPARE_TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
-AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
+AGAIN_TOLERANCE = 1e-5
+AGAIN_ABSOLUTE = 1e-9
 """Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
 on another processor numbers near round-off differ, and so do quotients of small numbers."""
 SEED_BITS = 62
@@ -46,7 +52,9 @@ class Range(NamedTuple):
     most: float = sys.float_info.max
 
 
-FROM_1, FROM_0, FROM_2 = Range(1, "1 or more"), Range(0, "0 or more"), Range(2, "2 or more")
+FROM_0 = Range(0, "0 or more")
+FROM_1 = Range(1, "1 or more")
+FROM_2 = Range(2, "2 or more")
 FINITE = Range(0, "a number, 0 or more")
 ANY = Range(-sys.float_info.max, "a finite number")
 Option = tuple[tuple[str, ...], dict[str, Any]]

@@ -41,9 +41,10 @@ def do_run(options: Namespace) -> int:
     scope = scope_from_options(options)
     scope.check()
     warn_of_few_levels(scope)
-    store = Store(options.out or RESULT_PLACES[options.plan])
+    directory = options.out or RESULT_PLACES[options.plan]
+    store = Store(directory)
     if options.levels:
-        scope = with_levels_of(store.directory, scope)
+        scope = with_levels_of(directory, scope)
     plan = Plan.of(scope)
     # More processes than jobs would have nothing to do.
     workers = min(options.jobs, len(plan.jobs))
@@ -55,7 +56,7 @@ def do_run(options: Namespace) -> int:
         with store.locked():
             save_proofs(proofs, store)
             measure(plan, store, pool)
-            verdicts = judge(store.directory)
+            verdicts = judge(directory)
     data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
     print("\n" + folded(f"data: {store.data}/{data}"))
     if options.figures:
@@ -63,10 +64,10 @@ def do_run(options: Namespace) -> int:
         from study.cli.present import write_overview
 
         with store.locked():
-            written = write_overview(options, store.directory)
+            written = write_overview(options, directory)
         tell_written(written)
-    print(f"\n{rates_text(store.directory)}")
-    print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
+    print(f"\n{rates_text(directory)}")
+    print(ledger_text(read_claims(directory), orders_text(directory)))
     return code_of(verdicts, options.undecided)
 
 

@@ -72,6 +72,7 @@ class Check:
             groups: mesh family ↦ table of its levels, coarse to fine.
             family: the mesh family, if the check is about one family only.
         """
+        window = self.window
         values = [self._values(table) for table in groups.values()]
         fewest = min(map(len, groups.values()), default=0)
         observed = nan
@@ -79,18 +80,20 @@ class Check:
         verdict = UNDECIDED
         if values and all(each.size for each in values):
             every = np.concatenate(values)
-            decisive = [each[-1] if self.finest else self.window.worst(each.tolist()) for each in values]
-            observed = self.window.worst(decisive)
+            decisive = [each[-1] if self.finest else window.worst(each.tolist()) for each in values]
+            observed = window.worst(decisive)
             span = every.min(), every.max()
-            verdict = HOLDS if self.window.contains(*every) else UNDECIDED
-            verdict = verdict if self.window.contains(*decisive) else FAILS
-        expected = self.window.text
+            if not window.contains(*decisive):
+                verdict = FAILS
+            elif window.contains(*every):
+                verdict = HOLDS
+        expected = window.text
         if fewest < self.levels:
             expected += f"; undecided, because the check needs {self.levels} levels, and has {fewest}"
-        result = row(
-            of, self.key, self.quantity, self.window, (observed, span, verdict), case, family, expected, self.kind
-        )
-        return result if not self.if_missed else self._without_claim(result)
+        result = row(of, self.key, self.quantity, window, (observed, span, verdict), case, family, expected, self.kind)
+        if self.if_missed:
+            return self._without_claim(result)
+        return result
 
     def _values(self, table: DataFrame) -> Array:
         """Return the values of one mesh family, (n,); none if levels or columns are missing, NaN without an order."""

@@ -24,8 +24,11 @@ from study.ledger.datafiles import DataError
 from study.ledger.files import Json, Paths, UsageError, write_text, write_whole
 from study.present.templates import ENVIRONMENT, read_page
 
-OUTLINE, RIM = "0.35", "0.4"
-FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
+OUTLINE = "0.35"
+RIM = "0.4"
+FOUNDATION = "0.82"
+FOUNDATION_EDGE = "0.25"
+TRIANGLE = "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """Colours of the first, second, … line in a figure. The colours of the report page are in ``page/page.css``."""
 RAMPS = {"stress": "YlGnBu", "pressure": "OrRd"}

@@ -208,8 +208,8 @@ def overview(directory: Path) -> list[Drawing]:
     orders = expected_orders(directory, rates)
     # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
     for claim, rows in sorted(rates.groupby("claim"), key=lambda group: -len(group[1])):
-        name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-        figures.append(figure("overview", rows, orders, name=f"convergence{name}", sheet=rows.case.nunique() > SHEET))
+        name = re.sub(r"[^a-z0-9]+", "-", f"convergence {claim}".lower()).strip("-").removesuffix("-prop-5-4")
+        figures.append(figure("overview", rows, orders, name=name, sheet=rows.case.nunique() > SHEET))
     smooth = rates[rates.claim == "Prop. 5.4"]
     if len(smooth):
         figures.append(figure("collapsed", smooth))

@@ -14,6 +14,7 @@ from pandas import DataFrame, Series
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
+from convergence_orders.tables import shorten
 from study.ledger.check import by_family
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
 from study.ledger.files import Json, write_text
@@ -368,7 +369,7 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
 
     Names of more than ``NAME_WIDTH`` characters are cut, so that a line has at most 80 characters.
     """
-    labels = [one if len(one) <= NAME_WIDTH else f"{one[: NAME_WIDTH - 1]}…" for one in names or map(str, table.level)]
+    labels = [shorten(name, NAME_WIDTH) for name in names or map(str, table.level)]
     kind = "file" if names else "level"
     kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
     error = "       max error in" if in_time else "           error in"

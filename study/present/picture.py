@@ -190,7 +190,7 @@ class Picture:
     """
 
     def __init__(self, record: Json) -> None:
-        self.case = record["case"]
+        self.case = str(record["case"])
         self.family = record["family"]
         self.level = int(record["level"])
         names = ("times", "vertices", "displacement", "von_mises")

@@ -162,8 +162,8 @@ def _clauses(words: Sequence[str]) -> list[int]:
 
 def _run(text: str) -> str:
     """Return words of mathematics as one formula, with the final punctuation outside."""
-    tail = _TAIL.search(text)
-    return rf"\({_formula(text[: tail.start()])}\){tail[0]}" if tail else rf"\({_formula(text)}\)"
+    formula = text.rstrip(".,;:")
+    return rf"\({_formula(formula)}\){text[len(formula) :]}"
 
 
 def _formula(text: str) -> str:

@@ -28,7 +28,12 @@ LARGEST_PROCESS = 2**31 - 1
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
 """The files and folders that ``study run`` and the commands for its data write into a result directory."""
 OF_A_PROBLEM = (
-    *("data/jobs/*.json", "levels.csv", "trajectory-*.npz", "adapted-*.npz", "adaptive.*", "enclosure.*"),
+    "data/jobs/*.json",
+    "levels.csv",
+    "trajectory-*.npz",
+    "adapted-*.npz",
+    "adaptive.*",
+    "enclosure.*",
     "certificate-*.json.gz",
 )
 """Patterns of the files that ``study bound`` and ``study certify`` write for one problem."""
