@@ -320,7 +320,8 @@ def write_task(directory: Path, data: Json) -> Path:
         StoreError: the directory cannot be written, or SHA256SUMS has a malformed line.
     """
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
-    path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
+    stem = "{case}-{family}-{mode}-{level}".format_map(data)
+    path = directory / f"{stem}{scale}.json.xz"
     packed = lzma.compress(dumps(plain(data), separators=(",", ":")).encode())
     sums = {}
     listed = directory / TASK_SUMS
