@@ -259,8 +259,8 @@ def bounds_text(
     table: DataFrame,
     over_time: DataFrame,
     sentences: Sequence[str],
-    in_time: bool = True,
-    names: Sequence[str] = (),
+    in_time: bool,
+    names: Sequence[str],
 ) -> str:
     """Return the printed text: the interval of the error, whether it is guaranteed, and one line for each mesh.
 
