@@ -137,10 +137,8 @@ def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
         for each quantity.
     """
     for case, of_case in rows.groupby("case", sort=False):
-        yield (
-            case,
-            {
-                family: table.pivot(index=["level", "h"], columns="quantity", values="value").reset_index()
-                for family, table in by_family(of_case).items()
-            },
-        )
+        groups = {
+            family: table.pivot(index=["level", "h"], columns="quantity", values="value").reset_index()
+            for family, table in by_family(of_case).items()
+        }
+        yield case, groups
