@@ -212,8 +212,7 @@ def _draw_loads(axes: Axes, data: Data, time: float) -> bool:
             arrow(axes, start, start + length, VERMILLION, 7, zorder=5, annotation_clip=False)
         axes.update_datalim(np.hstack([starts, starts + arrows]).T)
         # Of equal arrows the middle one gets the label.
-        equal = np.flatnonzero(lengths >= 0.99 * largest)
-        top = equal[len(equal) // 2]
+        top = np.argmax((lengths >= 0.99 * largest) * (1 - np.linspace(-0.5, 0.5, len(lengths)) ** 2))
         far = starts[:, top] if pushes[top] else (starts + arrows)[:, top]
         _label(axes, far + SUPPORT_DEPTH * body.extent * part.normal, f"{largest:.3g}")
     middle = _middle(body)
