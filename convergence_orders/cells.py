@@ -81,7 +81,8 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
     if found is None or (found[3] and "e" in found[1]):
         return None
     try:
-        above, below = float(found[1]) ** int(found[2] or 1), float(found[3] or 1) ** int(found[4] or 1)
+        above = float(found[1]) ** int(found[2] or 1)
+        below = float(found[3] or 1) ** int(found[4] or 1)
         return above / below * (0.01 if found[5] else 1)
     except (OverflowError, ZeroDivisionError):
         return None
@@ -106,8 +107,8 @@ def kind_of(cell: str) -> str:
     """Return what a cell contains: ``9`` for a number, ``-`` for a missing number, and ``a`` for other text."""
     if is_missing(cell):
         return "-"
-    values = [to_number(cell), to_number(cell, decimal_comma=True)]
-    return "a" if values == [None, None] else "9"
+    values = to_number(cell), to_number(cell, decimal_comma=True)
+    return "a" if values == (None, None) else "9"
 
 
 def uses_decimal_commas(cells: list[str]) -> bool:

@@ -86,9 +86,11 @@ class Series:
         Parameters:
             what: what the columns have, ``errors`` or ``values``.
         """
-        names = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
-        ignored = f"; ignored: {', '.join(names)}" if names else ""
-        return f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}{ignored}"
+        line = f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}"
+        ignored = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
+        if ignored:
+            line += f"; ignored: {', '.join(ignored)}"
+        return line
 
 
 class Column:
@@ -102,16 +104,20 @@ class Column:
     """
 
     def __init__(self, name: str, cells: Cells, comma: bool) -> None:
-        self.name, self.cells, self.role = name, cells, role(name)
+        self.name = name
+        self.cells = cells
+        self.role = role(name)
         self.printed: list[Column] = []
         # Words behind the numbers of a column of errors or sizes are units or remarks.
         clean = map(without_words, cells) if self.role in ("error", *SIZES) else cells
         self.numbers = np.array([to_number(cell, comma) for cell in clean], dtype=float)
         contents = "".join(map(kind_of, cells))
         if not contents.strip("-"):
-            self.role = "error" if self.role == "error" else "empty"
+            if self.role != "error":
+                self.role = "empty"
         elif all(map(_SIDES.fullmatch, cells)):
-            self.role = self.role if self.role in SIZES else "count"
+            if self.role not in SIZES:
+                self.role = "count"
         elif "9" not in contents or (contents[0] == "a" and self.role in ("unknown", "other", "degree")):
             self.role = "text"
         elif self.role == "degree" and not self.whole:
@@ -174,11 +180,13 @@ def columns_of(table: Table, comma: bool) -> list[Column]:
         table: the table.
         comma: whether its numbers have decimal commas.
     """
-    names, columns = [name.translate(NORM_BARS) for name in table.names], []
+    names = [name.translate(NORM_BARS) for name in table.names]
+    columns = []
     for k, cells in enumerate(table.columns):
         if k and not names[k] and is_missing(cells[0]) and not all(map(is_missing, cells)):
             # Columns of orders need no name. Their first cell is missing.
-            names[k] = "order of " + names[k - 1].removeprefix("order of ")
+            owner = names[k - 1].removeprefix("order of ")
+            names[k] = f"order of {owner}"
         if not k and cells[0] and (kind_of(cells[0]) == "a" or role(names[0]) in ("degree", "other")):
             # The name of a series may span the empty cells below it.
             cells = [next(filter(None, cells[j::-1])) for j in range(len(cells))]
@@ -203,7 +211,9 @@ class Reading:
     """
 
     def __init__(self, table: Table, options: Options, confirmed: dict[str, int]) -> None:
-        self.table, self.options, self.confirmed = table, options, confirmed
+        self.table = table
+        self.options = options
+        self.confirmed = confirmed
         comma = uses_decimal_commas([*chain(*table.columns)])
         self.columns = columns_of(table, comma)
         self.names = ", ".join(column.name for column in self.columns)
@@ -346,7 +356,8 @@ class Reading:
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
         """
-        ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
+        ratio = self.options.ratio
+        levels = np.arange(len(rows), dtype=float)
         for column in self.columns:
             if column.role == "degree" and (column is self.size or (column.steps == {1} and not self.options.size)):
                 raise OrderError(f"column {column.name} has degrees: {DEGREES}")
@@ -370,7 +381,8 @@ class Reading:
                 "one above, or --in NAME for the column of sizes"
             )
         for column in self.errors:
-            if (np.diff(consecutive_orders(h, column.numbers[rows])) > 1).any():
+            orders = consecutive_orders(h, column.numbers[rows])
+            if (np.diff(orders) > 1).any():
                 raise OrderError(
                     f"the orders of {column.name} rise by more than 1 from row to row, where another series may begin: "
                     "give a column with the mesh sizes or the name of the series"
@@ -379,7 +391,10 @@ class Reading:
 
     def _converted(self, column: Column, rows: Rows) -> tuple[Array, str]:
         """Return the mesh sizes that follow from a column, and in words how they were determined."""
-        kind, name, sizes, dim = column.role, column.name, column.numbers[rows], self.options.dim
+        kind = column.role
+        name = column.name
+        sizes = column.numbers[rows]
+        dim = self.options.dim
         whole = sizes.min() > 1 and (dim or not (sizes % 1).any())
         if kind not in ("count", "total") and not (whole and (dim or kind not in SIZES)):
             steps = np.diff(sizes)
@@ -427,8 +442,10 @@ def _correct(column: Column, errors: list[Column]) -> None:
     Quotients may equal the orders of other errors. So a column behind several columns of errors keeps the role of its
     name if it is called orders.
     """
-    quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
-    below, above = column.numbers[1:], column.numbers[:-1]
+    last = errors[-1].numbers
+    quotients = last[:-1] / last[1:]
+    below = column.numbers[1:]
+    above = column.numbers[:-1]
     certain = len(errors) == 1 or column.role != "order" or column.name.startswith("order of")
     if certain and (_equal(below, quotients) or _equal(above, quotients)):
         column.role = "quotient"

@@ -16,7 +16,8 @@ from .printing import printable
 from .report import as_json, as_junit, as_markdown, as_text, dumps, exit_code, plot, wrapped
 from .tables import MAX_BYTES
 
-USAGE, CLOSED = 2, 141
+USAGE = 2
+CLOSED = 141
 """Exit codes if the table or an option is not understood, and if nobody reads the output."""
 _REAL = r"[ ]*[-+]?[\d.]+(?:[eE][-+]?\d+)?[ ]*"
 

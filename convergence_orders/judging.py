@@ -14,6 +14,8 @@ from .tables import from_columns
 
 Wish = float | Mapping[Any, float] | None
 """A number for all columns, or name of a column ↦ number."""
+Results = dict[str, OrderResult]
+"""Name of a column ↦ observed orders and verdict."""
 Judged = list[tuple[Series, list[OrderResult]]]
 """List of pairs: a series of meshes, and the observed orders of its columns of errors."""
 
@@ -74,7 +76,7 @@ def judge(tables: list[Series], **wishes: Wish) -> Judged:
 def check_orders(
     h: ArrayLike | str | None, errors: Any, expected: Wish = None,
     columns: str = "", dim: int | None = None, **wishes: Wish,
-) -> dict[str, OrderResult]:  # fmt: skip
+) -> Results:  # fmt: skip
     """Compute and judge the observed orders of several columns of errors.
 
     The same columns are judged as by the command for a table with these columns: columns of orders, numbers of cells,
@@ -115,7 +117,7 @@ def check_orders(
 
 def _cells(column: Any, name: str) -> list[str]:
     """Return the entries of a column as text."""
-    if any(isinstance(entry, str) for entry in (column if hasattr(column, "__len__") else ())):
+    if hasattr(column, "__len__") and any(isinstance(entry, str) for entry in column):
         # pandas writes NaN into the empty cells of a column of words.
         return ["" if isinstance(entry, float) and math.isnan(entry) else str(entry) for entry in column]
     return [repr(value) for value in real_numbers(column, name).tolist()]

@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
-HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
+HOLDS = "holds"
+FAILS = "fails"
+UNDECIDED = "undecided"
+HIGHER = "higher"
+SKIPPED = "skipped"
+"""Verdicts."""
 TOLERANCE = 0.15
 """Default for the accepted difference between an observed and an expected order."""
 STALLED = 0.2
@@ -137,8 +142,10 @@ class OrderResult:
     @property
     def conclusion(self) -> str:
         """The verdict, what the errors do, and the expected order, in one line."""
+        if not self.verdict:
+            return self.sentence
         wanted = f"; expected {self.expectation}" if self.expectation.judges else ""
-        return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
+        return f"{self.verdict}: {self.sentence}{wanted}"
 
 
 @np.errstate(all="ignore")
@@ -160,7 +167,10 @@ def fitted_order(h: ArrayLike, errors: ArrayLike) -> float:
     It is NaN for fewer than two meshes, and if an error is zero or not finite.
     """
     x, y = np.log(np.asarray([h, errors], dtype=float))
-    return float(np.polyfit(x, y, 1)[0]) if len(x) > 1 and np.isfinite(y).all() else math.nan
+    if len(x) < 2 or not np.isfinite(y).all():
+        return math.nan
+    slope, _ = np.polyfit(x, y, 1)
+    return float(slope)
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
@@ -168,7 +178,8 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
     The extrapolation assumes that the order is a linear function of the mesh size.
     """
-    sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
+    sizes = np.asarray(h, dtype=float)
+    orders = consecutive_orders(h, errors)
     if len(orders) < 2:
         return math.nan
     ratio = math.sqrt(sizes[-3]) / math.sqrt(sizes[-1])
@@ -197,18 +208,24 @@ def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
     if not changes.all():
         return math.nan, math.nan
     sign = np.prod(np.sign(changes))
+    quotient = abs(changes[0] / changes[1])
 
-    def excess(p: float) -> float:
-        return float((np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine)) - abs(changes[0] / changes[1]))
+    def is_large(p: float) -> bool:
+        left = (np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine))
+        return bool(left >= quotient)
 
-    low, high = 1e-9, 100.0
-    if excess(low) >= 0:
+    low = 1e-9
+    high = 100.0
+    if is_large(low):
         return math.nan, -math.inf
-    if excess(high) <= 0:
+    if not is_large(high):
         return math.nan, math.inf
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+        if is_large(middle):
+            high = middle
+        else:
+            low = middle
     return float(finest[-1] + changes[1] / np.expm1(low * fine)), low
 
 
@@ -244,10 +261,12 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     if kind == "grows" and sizes.min() > 1:
         sentence += "; or is h the number n of cells? Then give h = 1/n"
     if max_error and not e[-1] <= max_error:
-        verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
+        verdict = FAILS
+        sentence = f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
     elif verdict == UNDECIDED and not expectation.window:
         verdict = HOLDS
-    x, judged = sizes[first:last], e[first:last]
+    x = sizes[first:last]
+    judged = e[first:last]
     return OrderResult(
         name=name,
         h=tuple(sizes.tolist()),
@@ -270,10 +289,11 @@ def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Ar
     Raises:
         OrderError: a value or a mesh size cannot be used, or a mesh size is repeated.
     """
-    sizes, e = real_numbers(h, "h"), real_numbers(values, name)
+    sizes = real_numbers(h, "h")
+    e = real_numbers(values, name)
     if len(sizes) != len(e) or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} {name}: expected one number for each mesh")
-    if not (np.isfinite(sizes).all() and sizes.min() > 0):
+    if not 0 < sizes.min() <= sizes.max() < math.inf:
         raise OrderError(f"mesh sizes must be positive and finite, got {sizes.tolist()[:10]}")
     sizes, e = np.array([sizes, e])[:, np.argsort(-sizes)]
     repeated = sizes[1:][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
@@ -315,14 +335,15 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
     Special cases come first: infinite errors, zero errors, few meshes, stagnation.
     """
-    if not np.isfinite(e).all():
-        where = h[~np.isfinite(e)][0]
+    finite = np.isfinite(e)
+    if not finite.all():
+        where = h[~finite][0]
         words = f"the error is not finite for h = {where:.5g}: the computation broke down there"
         return Diagnosis("not finite", words, FAILS)
     if not e.any():
         return Diagnosis("exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if not e.all():
-        stop = int(np.argmin(e != 0))
+        stop = int(np.argmin(e))
         words = f"is exactly zero for h = {h[stop]:.5g}"
         if e[stop:].any():
             words += ", but not on all finer meshes: is this value right?"
@@ -338,17 +359,21 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
 def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     """Return the diagnosis if errors grow, stagnate or reach round-off on the finest meshes, otherwise None."""
-    orders, n = consecutive_orders(h, e), len(e)
+    orders = consecutive_orders(h, e)
+    n = len(e)
+    coarsest = e[0]
+    finest = e[-1]
     stall = _behind_last(orders > STALLED)
     first, verdict = _judge(h, e, expectation)
     # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
     falls_as_expected = verdict == HOLDS and orders[first:].min() > 0
-    if (stall == n - 1 or falls_as_expected) and e[-1] < e[0]:
+    if (stall == n - 1 or falls_as_expected) and finest < coarsest:
         return None
-    floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
-    if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:
+    floor = float(np.median(e[stall:]))
+    start = f"from h = {h[stall]:.5g} on"
+    if floor <= ROUND_OFF * max(1.0, coarsest) and stall > 0:
         return _above(h, e, stall, floor, "round-off", f"is round-off of about {floor:.2g} {start}", expectation)
-    if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
+    if finest > 2 * e[stall] or (finest >= 1.01 * coarsest and (stall == n - 1 or orders[-1] < -STALLED)):
         words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
         return Diagnosis("grows", words, FAILS)
     question = "" if stall else "; or are these orders or values of a quantity (--values), not errors?"
@@ -366,7 +391,8 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     if len(e) < 4 or np.diff(e[-4:]).max() >= 0:
         return None
     orders = consecutive_orders(h, e)
-    changes, quoted = np.diff(orders[-3:]), _text(orders)
+    changes = np.diff(orders[-3:])
+    quoted = _text(orders)
     before, p_before = limit_and_order(h[:-1], e[:-1])
     limit, p = limit_and_order(h, e)
     agree = abs(p_before - p) < 0.02 + 0.1 * abs(changes.sum())
@@ -418,7 +444,8 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
 
     If no order is expected, it is the first mesh of the orders that sentences quote, and the verdict is *undecided*.
     """
-    orders, n = consecutive_orders(h, e), len(e)
+    orders = consecutive_orders(h, e)
+    n = len(e)
     if not expectation.window:
         return max(n - 1 - QUOTED, 0), UNDECIDED
     low, high = expectation.window
@@ -442,7 +469,9 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
-    orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
+    orders = consecutive_orders(h, e)
+    step = 2 * expectation.tolerance
+    listed = _text(orders)
     before, last = np.diff(orders, prepend=orders[0])[-2:]
     # Orders that fall, but settle, fall by less from mesh to mesh.
     drop = 0.8 * before if before < 0 else -step
@@ -452,15 +481,16 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     sentence = f"converges with order {fitted_order(h[quoted], e[quoted]):.2f} (orders {_text(orders[first:])})"
     if verdict == HIGHER:
         kind = "higher than expected"
-        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error?"
+        sentence = f"orders {listed} are higher than expected: superconvergence, or another error?"
     elif verdict != HOLDS and orders.min() < -STALLED:
         kind = "pre-asymptotic"
-        sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
+        sentence = f"errors rise and fall: orders {listed}; no convergence is visible yet"
     elif len(e) > 3 and last < drop and before + last < -0.04:
         kind = "orders falling"
-        sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
+        sentence = f"orders fall on the finest meshes: {listed}; another error may dominate there"
     elif abs(last) > step:
-        kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
+        kind = "pre-asymptotic"
+        sentence = f"pre-asymptotic, orders not settled: {listed}; take finer meshes"
     return Diagnosis(kind, sentence, verdict, first)
 
 
@@ -508,7 +538,9 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     sizes, phi = _coarse_first(h, values, "values")
     if len(sizes) < 3 or not np.isfinite(phi).all():
         raise OrderError(f"values must be finite, on three meshes or more; got {phi.tolist()[:10]}")
-    (limit, p), finest, changes = limit_and_order(sizes, phi), float(phi[-1]), np.diff(phi[-3:])
+    limit, p = limit_and_order(sizes, phi)
+    finest = float(phi[-1])
+    changes = np.diff(phi[-3:])
     if not changes.all():
         return GridConvergence("equal values", extrapolated=finest, index=math.nan if changes[1] else 0.0)
     # Rounding of the values changes the quotient of their differences, and the order by this change over log r.

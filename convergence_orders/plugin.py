@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from .judging import Results
     from .orders import OrderResult
     from .solving import ConvergenceTable
 
@@ -40,9 +41,7 @@ class OrderChecks:
         self._record(result)
         return result
 
-    def table(
-        self, table: ConvergenceTable, title: str = "", /, columns: str = "", **expected: Any
-    ) -> dict[str, OrderResult]:
+    def table(self, table: ConvergenceTable, title: str = "", /, columns: str = "", **expected: Any) -> Results:
         """Return the observed orders of the columns of a table, for example ``table(errors, "P1", L2=2, H1=1)``.
 
         The test fails as for a single column of errors (``__call__``).

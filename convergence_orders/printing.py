@@ -23,4 +23,9 @@ def printable(text: str, permitted: str = "") -> str:
     >>> printable("L2\x1b[31m")
     'L2\\u001b[31m'
     """
-    return INVISIBLE.sub(lambda found: found[0] if found[0] in permitted else json.dumps(found[0])[1:-1], text)
+
+    def escaped(match: re.Match[str]) -> str:
+        sign = match[0]
+        return sign if sign in permitted else json.dumps(sign)[1:-1]
+
+    return INVISIBLE.sub(escaped, text)

@@ -5,8 +5,8 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .judging import check_orders
-from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult
+from .judging import Results, check_orders
+from .orders import FAILS, HOLDS, UNDECIDED, OrderError
 
 
 class ConvergenceTable:
@@ -35,7 +35,7 @@ class ConvergenceTable:
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), []))
 
-    def check(self, expected: Mapping[str, float] | float | None = None, **options: Any) -> dict[str, OrderResult]:
+    def check(self, expected: Mapping[str, float] | float | None = None, **options: Any) -> Results:
         """Compute and judge the observed orders of all columns; the options are those of ``check_orders``.
 
         Raises:
@@ -45,7 +45,7 @@ class ConvergenceTable:
 
     def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
                      floor: float = 0.0, max_error: Mapping[str, float] | None = None, columns: str = "",
-                     **expected: float) -> dict[str, OrderResult]:  # fmt: skip
+                     **expected: float) -> Results:  # fmt: skip
         """Assert, in a test, that columns have the expected orders, for example ``assert_order(L2=2, H1=1)``.
 
         Observed orders are computed from mesh to mesh. The last three of them must be as expected; two suffice if the
@@ -125,7 +125,7 @@ class ConvergenceTable:
 def refine_until_settled(
     solve: Callable[[int], Mapping[str, float]], table: ConvergenceTable | None = None, most: int = 8,
     seconds: float = math.inf, **wishes: Any,
-) -> dict[str, OrderResult]:  # fmt: skip
+) -> Results:  # fmt: skip
     """Solve on finer and finer meshes until all verdicts are settled or the limit of meshes or time is reached.
 
     A verdict is settled if it is not *undecided*; *fails* is settled on four meshes or more.
@@ -140,7 +140,7 @@ def refine_until_settled(
         Name of a column ↦ observed orders and verdict.
     """
     table = ConvergenceTable() if table is None else table
-    results: dict[str, OrderResult] = {}
+    results: Results = {}
     start = time.monotonic()
     for level in range(most):
         table.add(**solve(level))

@@ -20,7 +20,8 @@ Cells = list[str]
 Columns = dict[str, Cells]
 """Name of a column ↦ its cells."""
 MAX_BYTES = 8_000_000
-MAX_LINES, MAX_LINE = 100_000, 130_000
+MAX_LINES = 100_000
+MAX_LINE = 130_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
 
 
@@ -90,7 +91,9 @@ def decode(data: bytes) -> str:
 def shorten(text: str, width: int = 60) -> str:
     """Return a text with at most ``width`` signs."""
     restored = text.translate(NORM_BARS)
-    return restored if len(restored) <= width else restored[: width - 1] + "…"
+    if len(restored) > width:
+        return restored[: width - 1] + "…"
+    return restored
 
 
 # Lines without the signs of LaTeX, Markdown and programs.
@@ -107,7 +110,9 @@ NORM_BARS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
 def _difference(found: re.Match[str]) -> str:
     """Return the error of a computed value, which a line gives together with the exact one."""
     computed, exact = map(to_number, found.groups())
-    return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
+    if computed is None or exact is None:
+        return found[0]
+    return f"{abs(computed - exact):.9g}"
 
 
 _CLEANED: Rewriting = [
@@ -207,7 +212,9 @@ class Row:
     """
 
     def __init__(self, line: Line, sign: str) -> None:
-        self.line, self.sign, self.text = line, sign, line.text.strip("\n ")
+        self.line = line
+        self.sign = sign
+        self.text = line.text.strip("\n ")
         if sign == " ":
             self.text = re.sub(r"(?<!\S)[|,](?!\S)", " ", line.text)
             self.cells = self.text.split()
@@ -228,20 +235,27 @@ class Row:
         filled = len(self.cells) - self.cells.count("")
         if self.line.comment or "9" not in self.kinds or filled < 2 or len(re.findall(r"=|:\s", self.text)) > 1:
             return False
-        if self.sign == " " and (self.kinds[0] == "9" or not named):
-            return self.kinds[0] == "9"
+        begins_with_number = self.kinds[0] == "9"
+        if self.sign == " " and (begins_with_number or not named):
+            return begins_with_number
         return filled >= 2 * self.kinds.count("a")
+
+
+_WORD = re.compile(r"\S+")
+Block = list[Row]
+"""Consecutive rows."""
 
 
 def _grids(lines: list[Line]) -> list[Table]:
     """Return the tables whose cells are separated by a sign or by blanks. A table is rows with a header above them."""
-    rows: list[Row] = []
+    rows: Block = []
     most = 0
     for sign in reversed(_FORMS):
         divided = [Row(line, sign) for line in lines]
         numbers = sum(row.kinds.count("9") for row in divided if row.is_data(True))
         if 2 * numbers >= most:
-            rows, most = divided, max(most, numbers)
+            rows = divided
+            most = max(most, numbers)
     tables: list[Table] = []
     for above, block in _blocks(rows):
         if table := _across(block) or _below(above, block, tables):
@@ -249,13 +263,13 @@ def _grids(lines: list[Line]) -> list[Table]:
     return tables
 
 
-def _blocks(rows: list[Row]) -> Iterator[tuple[list[Row], list[Row]]]:
+def _blocks(rows: Block) -> Iterator[tuple[Block, Block]]:
     """Yield the blocks of consecutive rows that may be tables, each with the lines between it and the block before."""
     # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
     first = [row.kinds[0] for row in rows if row.is_data(True)]
     named = first.count("a") > first.count("9")
-    above: list[Row] = []
-    block: list[Row] = []
+    above: Block = []
+    block: Block = []
     for row in rows:
         left_out = row.line.comment or (not named and _SUMMARY.match(row.cells[0] or row.text))
         as_wide = block and row.sign != " " and "9" in row.kinds and len(row.cells) == len(block[0].cells)
@@ -264,13 +278,14 @@ def _blocks(rows: list[Row]) -> Iterator[tuple[list[Row], list[Row]]]:
         elif not (block and left_out and row.kinds.strip("a")):
             if block:
                 yield above, block
-                above, block = [], []
+                above = []
+                block = []
             above.append(row)
     if block:
         yield above, block
 
 
-def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | None:
+def _below(above: Block, block: Block, before: list[Table]) -> Table | None:
     """Return the table whose rows stand below the names of its columns; None if it has one row and no names.
 
     Parameters:
@@ -278,6 +293,7 @@ def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | N
         block: the rows.
         before: tables above the block. If the block has no header, it gets the header of the last one.
     """
+    first = block[0]
     widths = [len(row.cells) for row in block]
     width = max(widths, key=widths.count)
     above = [row for row in above if not all(map(_UNIT.fullmatch, row.cells))]
@@ -288,14 +304,14 @@ def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | N
         if len(block) < 2:
             return None
         raise OrderError(
-            f"the table that begins in line {block[0].line.number}, '{shorten(block[0].text)}', has {width} columns, "
+            f"the table that begins in line {first.line.number}, '{shorten(first.text)}', has {width} columns, "
             "but no line above names them: add a header such as 'h error'"
         )
-    rows = [_cells(row, width, names if row is block[0] else []) for row in block]
+    rows = [_cells(row, width, names if row is first else []) for row in block]
     texts = [row.text.strip() for row in above if row not in header]
     captions = [text for text in texts if not (_SUMMARY.match(text) or text[0] in "\\@.")]
     return Table(
-        form=_FORMS[block[0].sign],
+        form=_FORMS[first.sign],
         names=names,
         columns=[*map(list, zip(*rows, strict=True))],
         places=[f"line {row.line.number}" for row in block],
@@ -328,17 +344,20 @@ def _cells(row: Row, width: int, names: Cells) -> Cells:
     return [*row.cells[:width], *[""] * missing]
 
 
-def _header(above: list[Row], block: list[Row], width: int) -> tuple[Cells, list[Row]]:
+def _header(above: Block, block: Block, width: int) -> tuple[Cells, Block]:
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     for upper, row in reversed([*pairwise([*above[:1], *above])]):
         names = _names(row, block, width)
         if names and all(re.search(r"[^\W\d_]|[#‖|\ue000\ue001]", name) for name in names if name):
-            grouped = _grouped(upper, names) if 0 < row.line.number - upper.line.number <= 2 else []
-            return grouped or names, [row, upper] if grouped else [row]
+            close = 0 < row.line.number - upper.line.number <= 2
+            grouped = _grouped(upper, names) if close else []
+            if grouped:
+                return grouped, [row, upper]
+            return names, [row]
     return [], []
 
 
-def _names(header: Row, block: list[Row], width: int) -> Cells:
+def _names(header: Row, block: Block, width: int) -> Cells:
     """Return the names of columns in a line; an empty list if the line does not name the columns.
 
     If blanks separate the cells, a name may be missing for columns of orders, whose first cell is missing, and for the
@@ -360,7 +379,7 @@ def _names(header: Row, block: list[Row], width: int) -> Cells:
     return []
 
 
-def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> Cells:
+def _placed(header: Row, block: Block, width: int, named: list[int]) -> Cells:
     """Return the names of columns that follow from the places of the words in the header; empty if a column has none.
 
     Parameters:
@@ -368,12 +387,14 @@ def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> Cell
         width: number of columns.
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
-    words = [[word.end() for word in re.finditer(r"\S+", row.text)] for row in block if len(row.cells) == width]
+    ends = [[word.end() for word in _WORD.finditer(row.text)] for row in block if len(row.cells) == width]
     # The region of a column with a name ends where the columns of orders to its right end.
-    stops = np.max(words, axis=0)[np.subtract([*named[1:], width], 1)]
+    last = np.subtract([*named[1:], width], 1)
+    stops = np.max(ends, axis=0)[last]
     names = [""] * len(named)
-    for word in re.finditer(r"\S+", header.text):
-        k = min(int(np.searchsorted(stops, sum(word.span()) / 2, "right")), len(stops) - 1)
+    for word in _WORD.finditer(header.text):
+        middle = sum(word.span()) / 2
+        k = min(int(np.searchsorted(stops, middle, "right")), len(stops) - 1)
         names[k] = f"{names[k]} {word[0]}".strip()
     return names if all(names) else []
 
@@ -387,8 +408,10 @@ def _grouped(upper: Row, names: Cells) -> Cells:
     """
     for start in range(len(names)):
         headings = upper.cells if upper.sign == " " else [*filter(None, upper.cells[start:])]
-        group = names[start : start + (len(names) - start) // max(len(headings), 1)]
-        if len(headings) > 1 and any(group) and names[start:] == group * len(headings):
+        count = len(headings)
+        grouped = names[start:]
+        group = grouped[: len(grouped) // max(count, 1)]
+        if count > 1 and any(group) and grouped == group * count:
             left = names[:start]
             if upper.sign != " ":
                 left = [name or cell for name, cell in zip(left, upper.cells, strict=False)]
@@ -408,7 +431,7 @@ def _joined(heading: str, name: str) -> str:
 # Tables with one line or one list for each quantity.
 
 
-def _across(block: list[Row]) -> Table | None:
+def _across(block: Block) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
     columns: Columns = {}
     for row in block:
@@ -416,7 +439,8 @@ def _across(block: list[Row]) -> Table | None:
         if not words_and_numbers:
             return None
         start = words_and_numbers.end(1)
-        columns[" ".join(row.cells[:start]).strip(" :=")] = row.cells[start:]
+        name = " ".join(row.cells[:start])
+        columns[name.strip(" :=")] = row.cells[start:]
     if any(role(name) in SIZES for name in columns):
         return from_columns("one line for each quantity", columns)
     if not all(map(_orders_between, columns.values())):
@@ -430,7 +454,8 @@ def _across(block: list[Row]) -> Table | None:
 def _orders_between(values: Cells) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
     numbers = np.array([*map(to_number, values)], dtype=float)
-    errors, orders = numbers[::2], numbers[1::2]
+    errors = numbers[::2]
+    orders = numbers[1::2]
     computed = consecutive_orders(0.5 ** np.arange(len(errors)), errors)
     return len(computed) == len(orders) and not (abs(computed - orders) >= 0.03).any()
 
@@ -472,7 +497,8 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
     tables: list[Columns] = [{}]
     singles: Columns = {}
     for match in _NAMED.finditer(_PAIRS.sub(_as_lists, text)):
-        name, separator = match["name"].strip(" \t*-\"'"), r"[,;\s]+" if match["list"] else r",\s+"
+        name = match["name"].strip(" \t*-\"'")
+        separator = r"[,;\s]+" if match["list"] else r",\s+"
         values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
         if len(values) == 1:
             singles.setdefault(name, []).append(values[0].strip("*|`"))
@@ -480,7 +506,9 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
             if name in tables[-1] and role(name) in SIZES:
                 tables.append({})
             columns = tables[-1]
-            columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
+            if name in columns:
+                name = f"{name} ({len(columns) + 1})"
+            columns[name] = values
     lists = [from_columns("lists", columns) for columns in tables if len(columns) > 1]
     return lists, {name: values for name, values in singles.items() if len(values) > 1}
 

@@ -9,7 +9,6 @@ from argparse import Namespace
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from hashlib import sha256
 from itertools import count
 from pathlib import Path
 
@@ -122,7 +121,8 @@ def do_bound(options: Namespace) -> int:
         solved = displacements[-1].shown()
         written += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
         vertices, triangles = solved[0]
-        squares = rows[-1]["on_cells"]
+        finest = rows[-1]
+        squares = finest["on_cells"]
         if any(squares):
             written += draw_one(directory, error_map(name, vertices, triangles, squares), PROBLEM_OUTPUT)
     tell_written(written)
@@ -131,11 +131,11 @@ def do_bound(options: Namespace) -> int:
     for one in displacements:
         if one.remark:
             print(folded(one.remark))
-    sentences = [*rows[-1]["sentences"], *contact_sentences(data.body)]
+    sentences = [*finest["sentences"], *contact_sentences(data.body)]
     if any(squares):
-        worst = vertices[:, triangles[:, int(np.argmax(squares))]].mean(axis=1)
+        worst = vertices[:, triangles[:, np.argmax(squares)]].mean(axis=1)
         sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
-    last = DataFrame(rows[-1]["series"])
+    last = DataFrame(finest["series"])
     names = [one.file_name for one in displacements if one.file_name]
     print(f"\n{bounds_text(name, table, last, sentences, data.in_time, names)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED
@@ -241,11 +241,12 @@ def displacements_in_files(
         def shown(u_h: Computed = u_h) -> MeshInTime:
             return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
-        content = sha256(b"".join(array.tobytes() for array in (mesh.p, mesh.t, u_h.times, u_h.nodes)))
-        cache_key = of_problem(data, case, (content.hexdigest(), u_h.steps, u_h.remarks, refined))
+        values = mesh.p, mesh.t, u_h.times, u_h.nodes, u_h.steps, u_h.remarks, refined
+        cache_key = of_problem(data, case, values)
         remark = f"{path}: degree {u_h.degree}, {mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
-        of_file = {"file_name": path.name, "remark": remark}
-        displacements.append(Displacement(f"displacement-{number}", cache_key, compute, shown, **of_file))
+        displacements.append(
+            Displacement(f"displacement-{number}", cache_key, compute, shown, file_name=path.name, remark=remark)
+        )
     return options.out / "-".join([name, *dict.fromkeys(path.stem for path, _ in read)]), displacements
 
 
@@ -273,9 +274,10 @@ def adapt(options: Namespace) -> int:
     with store.locked():
         store.begin(of_data(data))
         for number in count():
+            mesh = stage.mesh
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
-            cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
+            cache_key = of_problem(data, case, (mesh.p, mesh.t, stage.steps, scheme))
             path = stage_file(directory, number)
             compute = partial(_adapted, data, case, stage, scheme, number, path)
             results.append(store.cached(f"adapted-{number}", cache_key, compute, path))
@@ -294,13 +296,13 @@ def adapt(options: Namespace) -> int:
         # If ``study bound`` has written the bounds on uniform meshes for this problem, the figure shows them, too.
         levels = directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else DataFrame()
-        edges, closed = contact_edges(data, stage.mesh, at_vertices[1][-1])
-        shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
+        edges, closed = contact_edges(data, mesh, at_vertices[1][-1])
+        shown = Triangulation(*mesh.p, mesh.t.T)
         result = AdaptiveRefinement(
             name, "max " * data.in_time + NORM[data.in_time], shown, edges, closed, rows, uniform
         )
         drawn = draw_one(directory, figure("adaptive", result, case=name))
-        solved = (stage.mesh.p, stage.mesh.t), at_vertices
+        solved = (mesh.p, mesh.t), at_vertices
         drawn += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
     tell_written([table, *paths, *drawn])
     sentences = [*results[-1]["sentences"], *contact_sentences(data.body)]
@@ -349,7 +351,7 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     # Bodies without contact have no array to concatenate, so each list starts with an empty array.
     ends = [np.empty((2, 2, 0))]
     closed = [np.empty(0, dtype=bool)]
-    size = max(float(abs(displacement).max()), np.finfo(float).tiny)
+    size = max(abs(displacement).max(), np.finfo(float).tiny)
     for part, facets in MeshedBody(mesh, data.body).on(Kind.CONTACT):
         vertices = mesh.facets[:, facets]
         ends.append(mesh.p[:, vertices])

@@ -213,8 +213,7 @@ def _refuse_unplanned(directory: Path, file: CsvFile, table: DataFrame, planned:
     """
     # The plan lists each error bound once. The values of a bound over time, in another file, have the same key.
     name = BOUNDS.name if file == ENCLOSURES else file.name
-    keys = zip(*(table[column].astype(str) for column in file.key), strict=True)
-    for row, key in enumerate(keys):
+    for row, (_, *key) in enumerate(file.keys(table)):
         if (name, *key) not in planned:
             raise DataError(
                 f"{directory}/data/{file.name}, line {line(row)}: {' '.join(key)} is not among the {len(planned)} "

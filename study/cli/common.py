@@ -21,7 +21,7 @@ from study.bound.problem import BoundError
 from study.cli.options import BAD_USAGE, FAILED, OK, UNCLEAR
 from study.fem.error_norm import NormError
 from study.fem.mesh import MeshError
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import DataError, Key
 from study.ledger.files import JobsError, Paths, StoreError, UsageError, disk_full
 from study.ledger.quantities import RatesError
 from study.ledger.text import folded
@@ -36,7 +36,7 @@ Result = TypeVar("Result")
 BAR = "{l_bar}{bar}| {elapsed}<{remaining}"
 
 
-def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
+def known_undecided(file: Path | None) -> set[Key]:
     """Return which checks are listed as undecided in a CSV file.
 
     Parameters:
@@ -180,12 +180,13 @@ def exit_code_and_message(error: Exception) -> tuple[int, str]:
 
     An unexpected error is raised again, so that its traceback is shown.
     """
+    message = str(error)
     if isinstance(error, REFUSALS):
-        return BAD_USAGE, str(error)
+        return BAD_USAGE, message
     if isinstance(error, JobsError):
-        return FAILED, str(error)
+        return FAILED, message
     if isinstance(error, MemoryError):
-        return FAILED, str(error) or OUT_OF_MEMORY
+        return FAILED, message or OUT_OF_MEMORY
     if isinstance(error, BrokenExecutor):
         return FAILED, KILLED
     if full := disk_full(error):

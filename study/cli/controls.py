@@ -7,6 +7,7 @@ judged that the study claims to hold there. The results are added to the record 
 import shutil
 import time
 from argparse import Namespace
+from math import inf
 from pathlib import Path
 from secrets import randbits
 
@@ -50,23 +51,21 @@ def do_faults(options: Namespace) -> int:
     names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
     code = f"{of_everything()} {' '.join(names)}"
     keys = {case: (f"faults__{name_of(case)}", f"{code} {problem(case)}") for case in cases}
+    count = f"{len(cases)} cases"
     rows: list[dict[str, object]] = []
-    with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), f"{len(cases)} cases") as bar:
-        stored = {case: store.load(*keys[case]) for case in cases}
-        waiting = {case: executor.submit(measure_case, case, names) for case in cases if stored[case] is None}
+    with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), count) as bar:
+        missing = [case for case in cases if store.load(*keys[case]) is None]
+        waiting = {case: executor.submit(measure_case, case, names) for case in missing}
         for case in cases:
-            found = stored[case]
-            if found is None:
-                found = {"rows": waiting[case].result()}
-                store.save(*keys[case], found)
-            rows += found["rows"]
+            measured = store.cached(*keys[case], lambda case=case: {"rows": waiting[case].result()})  # type: ignore[misc]
+            rows += measured["rows"]
             bar.update()
     table = DataFrame(rows, columns=list(SCHEMA["faults.csv"].columns))
     written = write_csv(options.out / "data" / "faults.csv", table)
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
     lacking = missed(table)
-    print(folded(f"{len(names)} faults, {len(cases)} cases; not noticed as the rules demand: {in_words(lacking)}"))
+    print(folded(f"{len(names)} faults, {count}; not noticed as the rules demand: {in_words(lacking)}"))
     # A selection of cases need not notice every fault.
     return FAILED if lacking and not options.case else OK
 
@@ -88,23 +87,25 @@ def do_seeds(options: Namespace) -> int:
     if options.seed is not None:
         # A seed that is too long for the name of a directory raises an error here.
         family_named(f"shaken-{options.seed}")
-    Store(options.out).check()
+    directory = options.out
+    store = Store(directory)
+    store.check()
     with local_pool(options.jobs) as pool:
         if options.seed is not None:
-            return _again(options.seed, options.out, pool)
-        with Store(options.out).locked():
-            _fill(options.out, pool, time.monotonic() + 60 * options.minutes, options.seeds)
-    record = SeedRecord.read(options.out)
+            return _again(options.seed, directory, pool)
+        with store.locked():
+            _fill(directory, pool, time.monotonic() + 60 * options.minutes, options.seeds)
+    record = SeedRecord.read(directory)
     if not any(row.judged >= 0 for row in record.rows):
         begun = "; the next call continues the seed that was begun" if record.pending() else ""
         print(f"no seed was finished: give more time with --minutes{begun}")
         return UNCLEAR
     alarms = FalseAlarms(record)
-    print(f"\n{alarms.text()}\ndata: {record.write(options.out)}")
+    print(f"\n{alarms.text()}\ndata: {record.write(directory)}")
     return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[alarms.verdict]
 
 
-def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
+def _fill(directory: Path, pool: Pool, end: float, most: int) -> None:
     """Judge the checks on random meshes with new seeds, and record the results.
 
     If an earlier call did not finish a seed, this seed comes first.
@@ -114,9 +115,9 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         end: when the run must stop, on the clock ``time.monotonic()``.
         most: largest number of seeds.
     """
-    done = 0
-    while done < most and time.monotonic() < end:
-        done += 1
+    for _ in range(most):
+        if time.monotonic() >= end:
+            return
         record = SeedRecord.read(directory)
         if record.pending() is None:
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
@@ -177,7 +178,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     Returns:
         0 if all checks hold, otherwise 1.
     """
-    verdicts, _ = judged(seed, directory, pool, f"seed {seed}", float("inf"))
+    verdicts, _ = judged(seed, directory, pool, f"seed {seed}", inf)
     alarms = _print_alarms(verdicts)
     print(f"{len(verdicts)} checks; {alarms} do not hold")
     recorded = [row for row in SeedRecord.read(directory).rows if row.seed == seed]

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from json import dumps
-from math import inf
+from math import ceil, inf, log10
 from pathlib import Path
 from typing import Any
 
@@ -136,7 +136,7 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Json:
     """
     loads = [
         dict(
-            time=float(t),
+            time=t,
             load=scale * task.space.nodal(task.v_norm.load(t)).T,
             initial_stress=scale * task.initial_stress(t).T,
             initial_traction=[scale * values for values in task.tractions(Kind.CONTACT, t)],
@@ -183,7 +183,7 @@ def _judged(task: Task, time: float, balanced: float, reference: Array) -> Json:
     """
     sample = task.v_norm.sample(time)
     return dict(
-        time=float(time),
+        time=time,
         strain=sample.means.T,
         rest=sample.oscillation,
         displacement=task.space.nodal(sample.interpolant).T,
@@ -268,7 +268,7 @@ def slab(face: Array, normal: Array, segments: int) -> Json:
     # The direction of the face and the inward normal are right-handed axes.
     along = np.array([-normal[1], normal[0]])
     s = face @ along
-    length = float(np.ptp(s))
+    length = np.ptp(s)
     origin = face[s.argmin()] - FOUNDATION_MARGIN * length * along
     steps = np.linspace(0, (1 + 2 * FOUNDATION_MARGIN) * length, segments + 1)
     near = origin + np.multiply.outer(steps, along)
@@ -320,7 +320,8 @@ def write_task(directory: Path, data: Json) -> Path:
         StoreError: the directory cannot be written, or SHA256SUMS has a malformed line.
     """
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
-    path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
+    stem = "{case}-{family}-{mode}-{level}".format_map(data)
+    path = directory / f"{stem}{scale}.json.xz"
     packed = lzma.compress(dumps(plain(data), separators=(",", ":")).encode())
     sums = {}
     listed = directory / TASK_SUMS
@@ -355,5 +356,5 @@ def plain(value: Any, digits: int = ARRAY_DIGITS) -> Any:
         return value
     largest = abs(value).max(initial=0.0)
     if value.dtype.kind == "f" and 0 < largest < inf:
-        return np.round(value, digits - int(np.ceil(np.log10(largest)))).tolist()
+        return np.round(value, digits - ceil(log10(largest))).tolist()
     return value.tolist()

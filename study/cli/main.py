@@ -49,13 +49,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             # An ASCII terminal cannot show a character such as ‖. Then \u2016 is printed, which is also valid in JSON.
             stream.reconfigure(errors="backslashreplace")
     if arguments is None:
+        arguments = sys.argv[1:]
         # All figures are files. Matplotlib cannot be imported if this variable names a window system it does not know.
         os.environ.pop("MPLBACKEND", None)
     with (
         redirect_stdout(PrintableStream(sys.stdout)),  # type: ignore[type-var]
         redirect_stderr(PrintableStream(sys.stderr, permitted="\r")),  # type: ignore[type-var]
     ):
-        return _run(sys.argv[1:] if arguments is None else list(arguments))
+        return _run(list(arguments))
 
 
 def _run(words: list[str]) -> int:
@@ -71,7 +72,7 @@ def _run(words: list[str]) -> int:
     try:
         # Only the module of this command is imported, because importing the solvers takes seconds.
         command = getattr(importlib.import_module(f"study.cli.{module}"), name)
-        code = int(command(options))
+        code: int = command(options)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -91,7 +92,7 @@ def _run(words: list[str]) -> int:
         print(f"study: {message}", file=sys.stderr)
         if isinstance(error, OSError):
             _close_output()
-        return int(code)
+        return code
 
 
 def do_rates(options: Namespace) -> int:

@@ -13,13 +13,19 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-OK, FAILED, BAD_USAGE, UNCLEAR, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 3, 130, 141
+OK = 0
+FAILED = 1
+BAD_USAGE = 2
+UNCLEAR = 3
+INTERRUPTED = 130
+BROKEN_PIPE = 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEME_NAMES = ("backward-euler", "midpoint", "bdf2")
 FAMILY_NAMES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
 COMPARE_TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
-AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
+AGAIN_TOLERANCE = 1e-5
+AGAIN_ABSOLUTE = 1e-9
 """Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
 on another processor numbers near round-off differ, and so do quotients of small numbers."""
 SEED_BITS = 62
@@ -46,7 +52,9 @@ class Range(NamedTuple):
     most: float = sys.float_info.max
 
 
-FROM_1, FROM_0, FROM_2 = Range(1, "1 or more"), Range(0, "0 or more"), Range(2, "2 or more")
+FROM_0 = Range(0, "0 or more")
+FROM_1 = Range(1, "1 or more")
+FROM_2 = Range(2, "2 or more")
 FINITE = Range(0, "a number, 0 or more")
 ANY = Range(-sys.float_info.max, "a finite number")
 Option = tuple[tuple[str, ...], dict[str, Any]]
@@ -67,6 +75,8 @@ def option(*flags: str, within: Range | None = None, **settings: Any) -> Option:
 
 whole = partial(option, type=int, metavar="N")
 """Makes an option whose values are whole numbers."""
+path = partial(option, type=Path, metavar="FILE")
+"""Makes an option whose values are paths."""
 
 
 def _read(kind: type, within: Range | None, text: str) -> Any:
@@ -96,7 +106,7 @@ def out(default: str = "results", *also: str) -> Option:
         also: other names of the option.
     """
     help = f"result directory (default {default})"
-    return option("--out", *also, type=Path, default=Path(default), metavar="DIR", help=help)
+    return path("--out", *also, default=Path(default), metavar="DIR", help=help)
 
 
 def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
@@ -135,10 +145,8 @@ SCOPE = (
     "polygon of the mesh; turn the coordinates; compute again on triangles."
 )
 """What ``study bound`` serves, what it does not serve, and what to do instead."""
-UNDECIDED_OPTION = option(
+UNDECIDED_OPTION = path(
     "--undecided",
-    type=Path,
-    metavar="FILE",
     help="exit code 0 if the undecided checks are exactly those in this CSV file (label, key, case, family, reason)",
 )
 CASE = "NAME|FILE.py:NAME"
@@ -168,11 +176,11 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--cluster", metavar="ADDRESS", help=CLUSTER),
         option("--figures", action="store_true", help="also write tables and figures"),
         UNDECIDED_OPTION,
-        option("--out", type=Path, metavar="DIR",
-               help="result directory (default results/quick, or results with --full)"),
+        path("--out", metavar="DIR",
+             help="result directory (default results/quick, or results with --full)"),
     ]),
     "check": ("check", "compare data, verdicts and tables on disk with their expected contents", [
-        option("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML"),
+        path("--junit", help="also write the verdicts as JUnit XML"),
         UNDECIDED_OPTION,
         whole("--again", within=Range(1, "1 or more rows"),
               help="also measure N random rows again, cheap rows more often, and compare; exit code 1 if a number "
@@ -188,8 +196,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         out(),
     ]),
     "compare": ("main", "show in which numbers and verdicts two result directories differ", [
-        option("old", type=Path, metavar="OLD", help="result directory of a run"),
-        option("new", type=Path, metavar="NEW", help="result directory of another run"),
+        path("old", metavar="OLD", help="result directory of a run"),
+        path("new", metavar="NEW", help="result directory of another run"),
         option("--tolerance", type=float, within=FINITE, default=COMPARE_TOLERANCE, metavar="X",
                help=f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {COMPARE_TOLERANCE:g})"),
         option("--absolute", type=float, within=FINITE, default=0.0, metavar="Y",
@@ -217,8 +225,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "bound": ("bound", "enclose the error of a computed displacement, without the exact solution", [
         option("problem", metavar=CASE, help="a case, a problem of this project, or your own problem"),
         *enclosed((8, 16), shorter=4),
-        option("--displacement", nargs="+", type=Path, metavar="FILE",
-               help="enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"),
+        path("--displacement", nargs="+",
+             help="enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"),
         option("--field", metavar="NAME",
                help="name of the displacement in the file (default: u, displacement, or the only vector field)"),
         whole("--step",
@@ -277,8 +285,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         ],
         option("--dpi", type=float, within=Range(10, "10 to 2400", 2400), metavar="N",
                help="dots per inch of PNG files"),
-        option("--style", type=Path, metavar="FILE", help=STYLE),
-        option("--data", type=Path, metavar="DIR", help=DRAWN),
+        path("--style", help=STYLE),
+        path("--data", metavar="DIR", help=DRAWN),
         JOBS,
         out(),
     ]),

@@ -2,7 +2,7 @@
 
 import shutil
 from argparse import Namespace
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
 from math import nan
@@ -13,20 +13,19 @@ from matplotlib import rcParams
 
 from manufactured.case import Case
 from manufactured.self_proof import prove
-from manufactured.tensors import Array, full
+from manufactured.tensors import full
 from study.cli.common import progress_bar, tell_written
 from study.cli.options import OK
 from study.cli.problem import PROBLEM_OUTPUT, problem_drawing
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve_data
 from study.ledger.files import Json, Paths, UsageError
-from study.ledger.pictures import MeshFields, MeshSeries
 from study.ledger.text import folded
 from study.present.article import write_tables
 from study.present.drawing import ARTICLE, Drawing, Output, draw_one, in_style
 from study.present.figures import drawings, drawings_of, overview
 from study.present.report import write_report
-from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
+from study.present.show import NO_FFMPEG, TimeSeries, draw_show, find_ffmpeg, vtk_mesh
 from study.run.executor import Processes, require
 from study.run.judgement import claims_file, compare_claims, judge, verdicts
 from study.run.provenance import read_provenance
@@ -40,10 +39,11 @@ from study.statements.shared.scope import regular
 
 def do_tables(options: Namespace) -> int:
     """Judge the data, and write ``claims.csv`` and the tables; return 0."""
-    read_provenance(options.out)
-    with Store(options.out).steady():
-        judge(options.out)
-        tell_written([claims_file(options.out), *write_tables(options.out)])
+    directory = options.out
+    read_provenance(directory)
+    with Store(directory).steady():
+        judge(directory)
+        tell_written([claims_file(directory), *write_tables(directory)])
     return OK
 
 
@@ -53,9 +53,10 @@ def do_report(options: Namespace) -> int:
     Raises:
         DataError: ``claims.csv`` differs from the checks that follow from the data; then no report is written.
     """
-    with Processes(options.jobs) as processes, Store(options.out).steady():
-        compare_claims(options.out, verdicts(options.out))
-        print(write_report(options.out, read_provenance(options.out), processes.map))
+    directory = options.out
+    with Processes(options.jobs) as processes, Store(directory).steady():
+        compare_claims(directory, verdicts(directory))
+        print(write_report(directory, read_provenance(directory), processes.map))
     return OK
 
 
@@ -115,7 +116,7 @@ SHOWN_LEVELS = {2: LEVEL, 3: 9}
 face of the cube is divided."""
 
 
-def solve_showcase(case: Case, family: MeshFamily, level: int, notify: Callable[[], object]) -> tuple[Json, MeshSeries]:
+def solve_showcase(case: Case, family: MeshFamily, level: int, notify: Callable[[], object]) -> tuple[Json, TimeSeries]:
     """Solve a case on one mesh for display.
 
     Parameters:
@@ -145,47 +146,35 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
     return family
 
 
-def mesh_series(motion: Motion, every: int) -> MeshSeries:
+def mesh_series(motion: Motion, every: int) -> TimeSeries:
     """Return fields on the mesh of a solved case, at every ``every``-th time.
 
     Fields at the vertices are ``displacement``, ``velocity``, and on the contact boundary ``gap`` and ``pressure``
-    (``gap_1``, ``gap_2``, … if this boundary has several faces). Fields on the cells, constant on each, are ``stress``
-    and ``von_mises``.
+    (``gap_1``, ``gap_2``, … if this boundary has several faces; other vertices have NaN). Fields on the cells, constant
+    on each, are ``stress`` and ``von_mises``.
 
     Parameters:
         motion: the solved case, with its displacement, stress and contact force at all times.
         every: the step between the times that are used.
     """
-    weights = contact_weights(motion.space)
-    mesh = motion.space.mesh
-    nodal = motion.space.nodal
-    fields = []
+    space = motion.space
+    mesh = space.mesh
+    weights = contact_weights(space)
+    ends = np.cumsum([len(vertices) for _, vertices in space.contact])
+    series = []
     for frame in motion.frames[::every]:
-        contact = dict(_on_contact(motion, {"gap": -frame.normal, "pressure": frame.multipliers / weights}))
-        at_vertices = {"displacement": nodal(frame.u), "velocity": nodal(frame.velocity), **contact}
-        on_cells = {"stress": full(frame.stress), "von_mises": von_mises(frame.stress)}
-        fields.append(MeshFields(frame.time, at_vertices, on_cells))
-    return MeshSeries(mesh.p, mesh.t, fields)
-
-
-def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:
-    """Yield names and fields over all vertices from values on the contact boundary; other vertices have NaN.
-
-    Each quantity gives one field for each contact face.
-
-    Parameters:
-        motion: the solved case.
-        values: name of a quantity ↦ its values at the m vertices of the contact boundary, (m,).
-    """
-    faces = motion.space.contact
-    start = 0
-    for number, (_, vertices) in enumerate(faces, start=1):
-        rows = slice(start, start + len(vertices))
-        start += len(vertices)
-        for name, mine in values.items():
-            field = np.full(motion.space.mesh.p.shape[1], nan)
-            field[vertices] = mine[rows]
-            yield name if len(faces) == 1 else f"{name}_{number}", field
+        at_vertices = {"displacement": space.nodal(frame.u), "velocity": space.nodal(frame.velocity)}
+        gaps = np.split(-frame.normal, ends)
+        pressures = np.split(frame.multipliers / weights, ends)
+        for number, (_, vertices) in enumerate(space.contact):
+            suffix = f"_{number + 1}" if len(space.contact) > 1 else ""
+            for name, values in (("gap", gaps[number]), ("pressure", pressures[number])):
+                field = np.full(mesh.nvertices, nan)
+                field[vertices] = values
+                at_vertices[name + suffix] = field
+        in_cells = {"stress": full(frame.stress), "von_mises": von_mises(frame.stress)}
+        series.append((frame.time, vtk_mesh(mesh.p, mesh.t, at_vertices, in_cells)))
+    return series
 
 
 def do_show(options: Namespace) -> int:

@@ -15,6 +15,7 @@ from manufactured.body import Body, Kind, Part
 from manufactured.colours import BLACK, BLUE, GREEN, VERMILLION
 from manufactured.data import Data
 from study.ledger.files import UsageError
+from study.ledger.pictures import Array
 from study.present.body import arrow, band, magnification
 from study.present.drawing import (
     FOUNDATION,
@@ -27,7 +28,6 @@ from study.present.drawing import (
     entry,
     legend,
 )
-from study.present.picture import Array
 
 MeshInTime = tuple[tuple[Array, Array], tuple[Array, Array]]
 """A mesh and a displacement over time: vertices, (2, n), and vertex numbers of triangles, (3, cells); and times, (k,),
@@ -71,14 +71,14 @@ def problem_drawing(name: str, data: Data, solved: MeshInTime | None = None) -> 
         time = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
     else:
         (vertices, cells), (times, displacements) = solved
-        at = int(abs(displacements).max(axis=(1, 2)).argmax())
+        at = abs(displacements).max(axis=(1, 2)).argmax()
         time = times[at]
         factor = magnification(body.vertices, displacements[at : at + 1])
         meshes = [Triangulation(*x, cells.T) for x in (vertices, vertices + factor * displacements[at])]
         moved = f", and the mesh moved by {factor:g} times its displacement"
     when = f", t = {time:.3g}" if data.in_time else ""
     text = caption("problem_picture", name=name, moved=moved, when=when)
-    draw = partial(draw_problem, f"{name}{when}", data, float(time), meshes, factor)
+    draw = partial(draw_problem, f"{name}{when}", data, time, meshes, factor)
     return Drawing("problem", draw, text, f"The problem {name}")
 
 
@@ -131,8 +131,7 @@ def _axes(points: Array) -> tuple[Figure, Axes]:
     shape = np.clip(high / wide, 0.4, 1.4)
     figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5))
     axes = figure.subplots()
-    axes.set_aspect("equal")
-    axes.set(xlabel="$x_1$", ylabel="$x_2$")
+    axes.set(aspect="equal", xlabel="$x_1$", ylabel="$x_2$")
     return figure, axes
 
 
@@ -185,7 +184,7 @@ def _draw_side(axes: Axes, part: Part, number: int, size: float) -> None:
     if part.kind.name in SUPPORT_STYLES:
         axes.fill(*band(part.corners, outward[:, None]), zorder=3, **SUPPORT_STYLES[part.kind.name])
     x, y = part.corners.mean(axis=1) - NUMBER_DISTANCE * outward
-    moved = float(norm(part.prescribed(part.corners), axis=0).max())
+    moved = norm(part.prescribed(part.corners), axis=0).max()
     label, frame = (f"{number}: |u| ≤ {moved:.3g}", "round") if moved else (str(number), "circle")
     box = dict(boxstyle=f"{frame},pad=0.15", facecolor="white", edgecolor=GREEN, linewidth=0.6)
     axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)

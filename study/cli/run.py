@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from study.cli.common import ProgressBar, code_of, job_progress, known_undecided, tell_written
 from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
+from study.ledger.files import Json
 from study.ledger.text import folded
 from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
@@ -41,9 +41,10 @@ def do_run(options: Namespace) -> int:
     scope = scope_from_options(options)
     scope.check()
     warn_of_few_levels(scope)
-    store = Store(options.out or RESULT_PLACES[options.plan])
+    directory = options.out or RESULT_PLACES[options.plan]
+    store = Store(directory)
     if options.levels:
-        scope = with_levels_of(store.directory, scope)
+        scope = with_levels_of(directory, scope)
     plan = Plan.of(scope)
     # Cache keys need all cases. They are made before the workers start, which then need not make them again.
     missing = unfinished(plan.jobs, store)
@@ -57,7 +58,7 @@ def do_run(options: Namespace) -> int:
         with store.locked():
             save_proofs(proofs, store)
             measure(plan, store, pool)
-            verdicts = judge(store.directory)
+            verdicts = judge(directory)
     data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
     print("\n" + folded(f"data: {store.data}/{data}"))
     if options.figures:
@@ -65,10 +66,10 @@ def do_run(options: Namespace) -> int:
         from study.cli.present import write_overview
 
         with store.locked():
-            written = write_overview(options, store.directory)
+            written = write_overview(options, directory)
         tell_written(written)
-    print(f"\n{rates_text(store.directory)}")
-    print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
+    print(f"\n{rates_text(directory)}")
+    print(ledger_text(read_claims(directory), orders_text(directory)))
     return code_of(verdicts, options.undecided)
 
 
@@ -142,7 +143,7 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
             print(f"study: {directory} has {case.name} on the levels {old}: {new} added", file=sys.stderr)
         own = (*scope.own, (case.name, Levels(tuple(sorted(had | given)))))
         equivalence = "equivalence" if case.solution.body.dim == 2 else "solid_equivalence"
-        both: dict[str, Any] = {equivalence: tuple(sorted(compared | {*getattr(scope, equivalence)}))}
+        both: Json = {equivalence: tuple(sorted(compared | {*getattr(scope, equivalence)}))}
         scope = replace(scope, own=own, **both)
     return scope
 
@@ -193,5 +194,5 @@ def command_line(options: Namespace) -> str:
         value = getattr(options, name)
         if value != usual:
             values = value if isinstance(value, list) else [value]
-            words += [f"--{name}", *(f"{each:g}" if name == "step" else str(each) for each in values)]
+            words += [f"--{name}", *map(str, values)]
     return shlex.join(words)

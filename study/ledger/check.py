@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isnan, nan
+from typing import Any
 
 import numpy as np
 from pandas import DataFrame
@@ -71,40 +72,40 @@ class Check:
             groups: mesh family ↦ table of its levels, coarse to fine.
             family: the mesh family, if the check is about one family only.
         """
-        found = [self._values(table) for table in groups.values()]
-        values = [each for each in found if each is not None]
+        window = self.window
+        values = [self._values(table) for table in groups.values()]
         fewest = min(map(len, groups.values()), default=0)
-        if not values or len(values) < len(groups):
-            observed = nan
-            span = NOWHERE
-            verdict = UNDECIDED
-        else:
+        observed = nan
+        span = NOWHERE
+        verdict = UNDECIDED
+        if values and all(each.size for each in values):
             every = np.concatenate(values)
-            decisive = [float(each[-1]) if self.finest else self.window.worst(each.tolist()) for each in values]
-            observed = self.window.worst(decisive)
-            span = float(every.min()), float(every.max())
-            verdict = HOLDS if self.window.contains(*every) else UNDECIDED
-            verdict = verdict if self.window.contains(*decisive) else FAILS
-        expected = self.window.text
+            decisive = [each[-1] if self.finest else window.worst(each.tolist()) for each in values]
+            observed = window.worst(decisive)
+            span = every.min(), every.max()
+            if not window.contains(*decisive):
+                verdict = FAILS
+            elif window.contains(*every):
+                verdict = HOLDS
+        expected = window.text
         if fewest < self.levels:
             expected += f"; undecided, because the check needs {self.levels} levels, and has {fewest}"
-        result = row(
-            of, self.key, self.quantity, self.window, (observed, span, verdict), case, family, expected, self.kind
-        )
-        return result if not self.if_missed else self._without_claim(result)
+        result = row(of, self.key, self.quantity, window, (observed, span, verdict), case, family, expected, self.kind)
+        if self.if_missed:
+            return self._without_claim(result)
+        return result
 
-    def _values(self, table: DataFrame) -> Array | None:
-        """Return the values of one mesh family, (n,); None if levels or columns are missing, NaN without an order."""
-        if len(table) < self.levels:
-            return None
-        try:
-            measured = self.value(table) if callable(self.value) else table[self.value]
-            found = np.asarray(measured, dtype=float).ravel()
-            return found if found.size else None
-        except KeyError:
-            return None
-        except RatesError:
-            return np.array([nan])
+    def _values(self, table: DataFrame) -> Array:
+        """Return the values of one mesh family, (n,); none if levels or columns are missing, NaN without an order."""
+        measured: Any = []
+        if len(table) >= self.levels:
+            try:
+                measured = self.value(table) if callable(self.value) else table[self.value]
+            except RatesError:
+                measured = nan
+            except KeyError:
+                pass
+        return np.asarray(measured, dtype=float).ravel()
 
     def _without_claim(self, judged: Verdict) -> Verdict:
         """Return the row of a check about which nothing is claimed: *missed* if a prediction is wrong."""
@@ -122,7 +123,7 @@ paper_claim, consequence, accuracy, identity = (partial(Check, kind=kind) for ki
 
 def by_family(rows: DataFrame) -> Groups:
     """Divide a table by mesh families, and return a dictionary: name of the family ↦ its rows, coarse to fine."""
-    return {str(name): table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
+    return {name: table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
 
 
 def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
@@ -136,7 +137,8 @@ def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
         for each quantity.
     """
     for case, of_case in rows.groupby("case", sort=False):
-        groups = {}
-        for family, table in by_family(of_case).items():
-            groups[family] = table.pivot(index=["level", "h"], columns="quantity", values="value").reset_index()
-        yield str(case), groups
+        groups = {
+            family: table.pivot(index=["level", "h"], columns="quantity", values="value").reset_index()
+            for family, table in by_family(of_case).items()
+        }
+        yield case, groups

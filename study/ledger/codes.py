@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 from pandas import DataFrame, Series
 
-from study.ledger.datafiles import CsvFile, DataError, first_row, line, read_checked, refuse_repeated
+from study.ledger.datafiles import CsvFile, DataError, line, read_checked, refuse_repeated
 
 KEY = ["code", "version", "variant"]
 CODE_SERIES = ["code", "variant", "case", "family"]
@@ -57,7 +57,7 @@ class Codes:
         errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
         refuse_repeated(place / "classes.csv", classes, CODE_SERIES, AGAIN)
         if (unknown := ~errors.series.isin(classes.series)).any():
-            row = first_row(unknown)
+            row = unknown.argmax()
             where = f"{place / 'errors.csv'}, line {line(row)}, column series"
             found = f"found {errors.series.iloc[row]}, expected a series of classes.csv"
             raise DataError(f"{where}: {found}; {AGAIN}")

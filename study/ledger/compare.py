@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from json import loads
 from math import inf, isclose, isnan
+from os.path import commonprefix
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -109,19 +110,21 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     Raises:
         DataError: a directory has no data, or a file is damaged.
     """
-    files = _files(old), _files(new)
+    old_files = _files(old)
+    new_files = _files(new)
     states: dict[str, str] = {}
     tables = [DataFrame(columns=CELL_COLUMNS)]
-    for name in sorted({*files[0], *files[1]}, key=lambda name: ("/" in name, name)):
-        if name not in files[0] or name not in files[1]:
+    for name in sorted(old_files | new_files, key=lambda name: ("/" in name, name)):
+        if name not in old_files or name not in new_files:
             states[name] = LEFT_OUT if name in SCHEMA and SCHEMA[name].command else DIFFERS
             continue
-        contents = _content(old, files[0][name]), _content(new, files[1][name])
+        old_content = _content(old, old_files[name])
+        new_content = _content(new, new_files[name])
         # Two truncated files may be equal. They have no line end at their end, and reading them raises an error.
-        if contents[0] == contents[1] and contents[0].endswith(b"\n"):
+        if old_content == new_content and old_content.endswith(b"\n"):
             states[name] = IDENTICAL
             continue
-        cells = _changed(_cells(old, name, contents[0]), _cells(new, name, contents[1]), name, tolerance)
+        cells = _changed(_cells(old, name, old_content), _cells(new, name, new_content), name, tolerance)
         states[name] = DIFFERS if len(cells) else WITHIN_TOLERANCE
         tables.append(cells)
     return Comparison(tolerance, states, pd.concat(tables))
@@ -252,9 +255,10 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
     Returns:
         A message with line, column, the text in the file and the expected text.
     """
-    lines = path.read_text(encoding="utf-8", errors="replace").split("\n"), expected.split("\n")
-    head = next(csv.reader(lines[1])) if path.suffix == ".csv" else []
-    for number, pair in enumerate(zip_longest(*lines), start=1):
+    lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    wanted_lines = expected.split("\n")
+    head = next(csv.reader(wanted_lines)) if path.suffix == ".csv" else []
+    for number, pair in enumerate(zip_longest(lines, wanted_lines), start=1):
         rows = (next(csv.reader([line]), []) for line in pair)
         cells = zip_longest(head, *rows) if head and None not in pair else [("", *pair)]
         for name, text, wanted in cells:
@@ -274,7 +278,7 @@ def _shown(text: str | None, other: str | None) -> str:
     """Return a text in quotation marks, cut to the part around its first difference from another; None is "nothing"."""
     if text is None:
         return "nothing"
-    same = next((i for i in range(len(text)) if text[i] != (other or "")[i : i + 1]), len(text))
+    same = len(commonprefix([text, other or ""]))  # noqa: RUF071 – texts, not paths
     start = max(0, same - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
     end = start + SHOWN_TEXT
     return f"{'…' * (start > 0)}{text[start:end]!r}{'…' * (end < len(text))}"

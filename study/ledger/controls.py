@@ -79,7 +79,7 @@ def missed(matrix: DataFrame) -> dict[str, str]:
             "in space": len(solid) > 0 and not solid.any(),
         }
         if any(places.values()):
-            lacking[str(fault)] = " and ".join(place for place, lacks in places.items() if lacks)
+            lacking[fault] = " and ".join(place for place, lacks in places.items() if lacks)
     return lacking
 
 
@@ -108,7 +108,7 @@ def interval(alarms: int, seeds: int) -> tuple[float, float]:
     if seeds == 0:
         return 0.0, 1.0
     exact = scipy.stats.binomtest(alarms, seeds).proportion_ci(CONFIDENCE, method="exact")
-    return float(exact.low), float(exact.high)
+    return exact.low, exact.high
 
 
 def seeds_needed() -> int:

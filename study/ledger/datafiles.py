@@ -75,12 +75,14 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
     frame = read_table(path, (*key, *columns), command)
     for column in table.numbers:
         if column in frame:
-            wrong = pd.to_numeric(frame[column], errors="coerce").isna()
+            cells = frame[column]
+            wrong = pd.to_numeric(cells, errors="coerce").isna()
             if table.columns[column].empty:
-                wrong &= frame[column].notna()
+                wrong &= cells.notna()
             if wrong.any():
-                row = first_row(wrong)
-                cell = frame[column].astype(object).fillna("").iloc[row]
+                # Rows are counted: in rows with too many cells, pandas takes the first cells for labels.
+                row = wrong.argmax()
+                cell = cells.astype(object).fillna("").iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
     return frame
@@ -113,15 +115,15 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> Json:
     return tree
 
 
-def planned_keys(provenance: Mapping[str, Any]) -> list[Key]:
+def planned_keys(provenance: Json) -> list[Key]:
     """Return the keys of the rows that a run planned, from the content of its ``provenance.json``.
 
     The entry ``planned`` has the form that ``nested_keys`` returns. Without this entry the list is empty.
     """
 
-    def flatten(tree: Mapping[str, Any], start: Key) -> Iterator[Key]:
+    def flatten(tree: Json, start: Key) -> Iterator[Key]:
         for text, rest in tree.items():
-            if isinstance(rest, Mapping):
+            if isinstance(rest, dict):
                 yield from flatten(rest, (*start, text))
             else:
                 yield from ((*start, text, last) for last in rest)
@@ -175,15 +177,6 @@ def line(row: int) -> int:
     return row + 2
 
 
-def first_row(chosen: Series) -> int:
-    """Return the number of the first row of a table, counted from 0, for which ``chosen`` is true.
-
-    The label of a row is not its number if rows have a cell more than there are columns: pandas takes their first cells
-    for labels.
-    """
-    return int(chosen.to_numpy().argmax())
-
-
 def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str) -> None:
     """Raise an error if two rows of a table have the same key.
 
@@ -198,8 +191,8 @@ def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str)
     """
     keys = table[[*key]]
     if (again := keys.duplicated()).any():
-        row = first_row(again)
-        first = first_row((keys == keys.iloc[row]).all(axis=1))
+        row = again.argmax()
+        first = (keys == keys.iloc[row]).all(axis=1).argmax()
         names = ", ".join(f"{name} {cell}" for name, cell in keys.iloc[row].items())
         raise DataError(
             f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
@@ -216,7 +209,7 @@ def write_csv(path: Path, table: DataFrame) -> Path:
 
 def table_text(table: DataFrame) -> str:
     """Return the text of the CSV file that ``write_csv`` writes."""
-    return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    return table.to_csv(index=False, float_format="%.12g", lineterminator="\n")
 
 
 @dataclass(frozen=True)
@@ -260,12 +253,12 @@ class CsvFile:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name)
 
-    def keys(self, table: DataFrame) -> set[Key]:
-        """Return the keys of all rows of a table, as texts.
+    def keys(self, table: DataFrame) -> list[Key]:
+        """Return the keys of all rows of a table, as texts, in the order of the rows.
 
         A key is a tuple of the name of the file and the cells of the key columns.
         """
-        return {(self.name, *row) for row in table[list(self.key)].astype(str).itertuples(index=False, name=None)}
+        return [(self.name, *row) for row in table[[*self.key]].astype(str).itertuples(index=False, name=None)]
 
 
 @dataclass(frozen=True)
@@ -304,9 +297,9 @@ def read_rates(directory: Path) -> DataFrame:
     """
     rates = read_csv(directory, "rates.csv", SHOWN_RATES)
     # Figures cannot show infinite errors.
-    numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
+    numbers = [name for name in SCHEMA["rates.csv"].numbers if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
-        row = first_row(infinite.any(axis=1))
+        row = infinite.any(axis=1).argmax()
         raise DataError(
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"
@@ -348,8 +341,7 @@ def read_claims(directory: Path) -> DataFrame:
 
 def count_verdicts(claims: DataFrame) -> dict[str, int]:
     """Return verdict ↦ number of checks with this verdict, perhaps 0; ``claims`` has rows of ``claims.csv``."""
-    counts: dict[str, int] = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0).to_dict()
-    return counts
+    return claims.verdict.value_counts().reindex(VERDICTS, fill_value=0).to_dict()
 
 
 def count_kinds(claims: DataFrame) -> dict[str, int]:
@@ -359,8 +351,7 @@ def count_kinds(claims: DataFrame) -> dict[str, int]:
         claims: rows of ``claims.csv``, the table of all checks.
     """
     kinds = claims[claims.verdict == HOLDS].kind
-    counts: dict[str, int] = kinds.value_counts().reindex([*CheckKind], fill_value=0).to_dict()
-    return counts
+    return kinds.value_counts().reindex([*CheckKind], fill_value=0).to_dict()
 
 
 def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
@@ -370,7 +361,7 @@ def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
         For each statement its label, claim in words, and checks. Two claims may have the same label.
     """
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
-        yield str(label), str(claim), rows
+        yield label, claim, rows
 
 
 def with_orders(table: DataFrame) -> DataFrame:

@@ -1,15 +1,16 @@
-"""Data for pictures: values over time with few digits, the facets of a contact surface, and fields on a mesh."""
+"""Data for pictures: values over time with few digits, and the facets of a contact surface."""
 
 from __future__ import annotations
 
 import zlib
 from base64 import b64decode, b64encode
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from study.ledger.files import Json
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -41,7 +42,7 @@ class Packed:
             values: the values; the first axis is the time.
             steps: number of units in the largest absolute value, for example UNITS or FINE_UNITS; at most 32 767.
         """
-        unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
+        unit = float(f"{abs(values).max(initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))
 
     @property
@@ -49,7 +50,7 @@ class Packed:
         """The rounded values; the first axis is the time."""
         return self.unit * self.multiples.astype(np.float64)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Json:
         """Return the rounded values as a dictionary that can be written as JSON; ``read`` reads it.
 
         The whole numbers are stored as differences from one time to the next, compressed by zlib, as base-64 text.
@@ -57,12 +58,12 @@ class Packed:
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {
             "unit": self.unit,
-            "shape": list(changes.shape),
+            "shape": changes.shape,
             "changes": b64encode(zlib.compress(changes.tobytes(), 9)).decode("ascii"),
         }
 
     @classmethod
-    def read(cls, record: Mapping[str, Any]) -> Packed:
+    def read(cls, record: Json) -> Packed:
         """Return rounded values from a dictionary that ``record`` has returned.
 
         Raises:
@@ -130,33 +131,3 @@ class Facets:
             The values at the nodes, then at the midpoints, (..., n + e).
         """
         return np.concatenate([values, values[..., self.edges].mean(axis=-2)], axis=-1)
-
-
-@dataclass(frozen=True, eq=False)
-class MeshFields:
-    """Fields on a mesh at one time.
-
-    Attributes:
-        time: the time t.
-        at_vertices: name ↦ scalars, (vertices,), or vectors, (d, vertices); NaN at vertices without a value.
-        in_cells: name ↦ scalars, (cells,), or matrices, (d, d, cells).
-    """
-
-    time: float
-    at_vertices: dict[str, Array]
-    in_cells: dict[str, Array]
-
-
-@dataclass(frozen=True, eq=False)
-class MeshSeries:
-    """A mesh with fields at several times.
-
-    Attributes:
-        vertices: coordinates of the vertices, (d, vertices).
-        cells: vertex numbers of the triangles or tetrahedra, (d + 1, cells).
-        fields: the fields, one entry for each time.
-    """
-
-    vertices: Array
-    cells: Numbers
-    fields: Sequence[MeshFields]

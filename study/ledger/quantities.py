@@ -91,7 +91,7 @@ Value = Callable[[DataFrame], float | Array]
 
 def finest(column: str) -> Value:
     """Return a function of the table of one mesh family that gives the value of a column on the finest level."""
-    return lambda table: float(table[column].iloc[-1])
+    return lambda table: table[column].iloc[-1]
 
 
 def quotients(above: str, below: str) -> Value:
@@ -105,7 +105,7 @@ def finest_quotient(above: str, below: str) -> Value:
     Parameters:
         above, below: the names of two columns of the table.
     """
-    return lambda table: float((table[above] / table[below]).iloc[-1])
+    return lambda table: (table[above] / table[below]).iloc[-1]
 
 
 def change(column: str, since: int = 0) -> Value:
@@ -114,7 +114,7 @@ def change(column: str, since: int = 0) -> Value:
     The function gives the value on the finest level, divided by the value on the level with the index ``since``, which
     is 0 for the coarsest level and −2 for the level before the finest one.
     """
-    return lambda table: float(table[column].iloc[-1] / table[column].iloc[since])
+    return lambda table: table[column].iloc[-1] / table[column].iloc[since]
 
 
 def ratios(column: str) -> Value:
@@ -152,7 +152,7 @@ def over_refinements(column: str, refinements: int) -> Value:
     They are the finest level, and the level that is ``refinements`` levels coarser.
     """
     pair = [-1 - refinements, -1]
-    return of_errors(column, lambda h, e: float(orders(h[pair], e[pair])[0]))
+    return of_errors(column, lambda h, e: orders(h[pair], e[pair])[0])
 
 
 def fitted(column: str, last: int = 0, power: int = 0) -> Value:

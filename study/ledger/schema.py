@@ -51,11 +51,6 @@ class Table:
         """The columns that contain numbers or empty cells."""
         return [name for name, column in self.columns.items() if column.unit != TEXT]
 
-    @property
-    def filled(self) -> list[str]:
-        """The columns that contain numbers without an empty cell."""
-        return [name for name in self.numbers if not self.columns[name].empty]
-
 
 def columns(text: str) -> dict[str, Column]:
     """Return columns from lines NAME | UNIT | MEANING | WHEN A CELL IS EMPTY; the last part may be missing."""

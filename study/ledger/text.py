@@ -4,7 +4,7 @@ import shutil
 from collections.abc import Hashable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import partial
-from math import isfinite
+from math import inf, isfinite
 from textwrap import fill
 
 import pandas as pd
@@ -57,7 +57,7 @@ def power_of_ten(value: float, least: float) -> float:
 
 
 def _to_decimals(value: float, decimals: int, rounding: str) -> str:
-    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))
+    return str(Decimal(str(value)).quantize(Decimal(1).scaleb(-decimals), rounding))
 
 
 below = partial(_to_decimals, rounding=ROUND_FLOOR)
@@ -66,16 +66,16 @@ above = partial(_to_decimals, rounding=ROUND_CEILING)
 """Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
 
 
-def outwards(low: float, high: float, decimals: int = 2) -> str:
-    """Return the range from low to high as text, rounded outwards: "0.92 to 1.00"."""
-    return f"{below(low, decimals)} to {above(high, decimals)}"
+def outwards(low: float, high: float) -> str:
+    """Return the range from low to high as text, rounded outwards to two decimals: "0.92 to 1.00"."""
+    return f"{below(low, 2)} to {above(high, 2)}"
 
 
 def interval(low: float, high: float, digits: int) -> str:
     """Return the interval [low, high] as text, with both ends rounded outwards to a number of significant digits."""
     if low > high:
         raise ValueError(f"the interval from {low:g} to {high:g} has crossed ends: this is a defect of the program")
-    return f"[{down(low, digits)}, {up(high, digits)}]"
+    return f"[{down(low, digits)}, {up(high, digits) if high < inf else '∞'}]"
 
 
 def significant(number: float) -> str:

@@ -44,7 +44,7 @@ def named(text: str) -> set[str]:
     """
     found = {f"{kind} {number}" for kind, numbers in _STATEMENT.findall(text) for number in numbers.split(", ")}
     for section, first, last_section, last in _FORMULA.findall(text):
-        end = int(last) if last else int(first)
+        end = int(last or first)
         if last_section not in ("", section):
             raise ValueError(f"{text!r} has a range over two sections, expected one section: write a range for each")
         found |= {f"({section}.{n})" for n in range(int(first), end + 1)}
@@ -129,7 +129,7 @@ class Verdict:
     window_high: float
 
     @property
-    def identity(self) -> tuple[str, str, str, str]:
+    def identity(self) -> tuple[str, ...]:
         """Label, key, case and family, which together identify a row of the ledger."""
         return self.label, self.key, self.case, self.family
 
@@ -173,7 +173,7 @@ def row(
         verdict,
         key,
         family,
-        str(kind),
+        kind,
         window.low,
         window.high,
     )

@@ -40,7 +40,7 @@ class Window:
         high = shown(self.high)
         if self.predicted:
             least, largest = self.predicted
-            middle = shown(least) if least == largest else f"{shown(least)} … {shown(largest)}"
+            middle = " … ".join(dict.fromkeys(map(shown, self.predicted)))
             below = f"{least - self.low:.3g}"
             above = f"{self.high - largest:.3g}"
             numbers = f"{middle} ± {below}" if below == above else f"{low} … {high}, predicted {middle}"

@@ -25,7 +25,7 @@ from study.ledger.verdict import (
     window_share,
     worst_value,
 )
-from study.present.tables import RUN_TABLES
+from study.present.tables import RUN_TABLES, TextFiles
 from study.present.templates import (
     EVIDENCE_TITLES,
     MISPRINTS,
@@ -52,6 +52,7 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h")
 MARKS = {"met": "", "undecided": "*", "wrong": "†"}
 """Whether a prediction was met ↦ its mark in the table of fully discrete errors."""
 Rows = list[list[object]]
+TextRows = list[list[str]]
 """The cells of a table, row by row."""
 
 
@@ -64,15 +65,16 @@ def write_tables(directory: Path) -> Paths:
     return [write_text(path, text) for path, text in texts(directory).items()]
 
 
-def texts(directory: Path) -> dict[Path, str]:
+def texts(directory: Path) -> TextFiles:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
-    by_path: dict[Path, str] = {}
-    for table in [make(directory) for make in RUN_TABLES]:
-        by_path |= table.texts(directory / "tables") if table else {}
+    by_path: TextFiles = {}
+    for make in RUN_TABLES:
+        if table := make(directory):
+            by_path |= table.texts(directory / "tables")
     return by_path | article(directory)
 
 
-def article(directory: Path) -> dict[Path, str]:
+def article(directory: Path) -> TextFiles:
     """Return the texts of the LaTeX files for the papers, by their paths in ``directory/article``.
 
     If the directory does not contain a full run, the result is empty.
@@ -194,7 +196,7 @@ def window_ends(row: Series) -> str:
     return f"≥ {low}" if high == "inf" else f"[{low}, {high}]"
 
 
-def slips(data: FullRun) -> list[list[str]]:
+def slips(data: FullRun) -> TextRows:
     """Return the misprints in the source: place, printed text, corrected text."""
     rows = data.labelled(MISPRINTS)[["case", "quantity", "expected"]]
     return rows.replace("^read: ", "", regex=True).to_numpy().tolist()
@@ -337,7 +339,7 @@ def discrete(data: FullRun) -> DataFrame:
     return table[[*DISCRETE]].reset_index()
 
 
-def codes(data: FullRun) -> list[list[str]]:
+def codes(data: FullRun) -> TextRows:
     """Return the rows of ``contact_codes`` without the last column, the effect of scaled loads.
 
     There are no rows if the results of other people's contact codes are missing.
@@ -345,7 +347,7 @@ def codes(data: FullRun) -> list[list[str]]:
     return [row[:-1] for row in contact_codes(data.codes)] if data.codes else []
 
 
-def contact_codes(results: Codes) -> list[list[str]]:
+def contact_codes(results: Codes) -> TextRows:
     """Return other people's contact codes, a row for each code and its parameters.
 
     A row says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),

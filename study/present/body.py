@@ -23,7 +23,8 @@ from numpy.linalg import norm
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.ledger.files import Json
-from study.ledger.pictures import Numbers
+from study.ledger.pictures import Array, Numbers
+from study.ledger.text import below
 from study.present.drawing import (
     FOUNDATION,
     FOUNDATION_EDGE,
@@ -37,7 +38,7 @@ from study.present.drawing import (
     is_slide,
     legend,
 )
-from study.present.picture import Array, Bools, FaceHistory, Picture, Polygon, Segment, misplaced_length
+from study.present.picture import Bools, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
 DRAWN_DISPLACEMENT = 0.12
 """The length of the largest displacement in figures, as a fraction of the longest side of the body."""
@@ -87,8 +88,7 @@ def magnification(vertices: Array, displacements: Array) -> float:
     if largest == 0:
         return 1.0
     exact = DRAWN_DISPLACEMENT * np.ptp(vertices, axis=1).max() / largest
-    unit = 10.0 ** (floor(log10(exact)) - 1)
-    return float(f"{floor(exact / unit) * unit:.2g}")
+    return float(below(exact, 1 - floor(log10(exact))))
 
 
 def view_of(picture: Picture) -> Array:
@@ -156,7 +156,7 @@ class BodyScale:
         faces = picture.faces
         stresses = picture.von_mises[at]
         self.view = view_of(picture)
-        self.size = picture.size
+        self.size = np.ptp(picture.vertices, axis=1).max()
         self.magnification = magnification(picture.vertices, picture.displacement[at])
         points = [picture.vertices, *(picture.vertices + self.magnification * picture.displacement[at])]
         points += [face.x + ARROW_LENGTH * self.size * face.normal[:, None] for face in picture.segments]
@@ -232,12 +232,14 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     The contact zone is a thick line, the pressure is shown by arrows. The gap is drawn below the surface of the
     foundation with its own scale, because it is small compared with the magnified displacements.
     """
+    normal = face.normal[:, None]
+    longest = ARROW_LENGTH * scale.size * normal
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
-    ground = band(ends, THICKNESS * scale.size * face.normal[:, None])
+    ground = band(ends, THICKNESS * scale.size * normal)
     axes.fill(*ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5)
     axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
     if scale.gap > NEGLIGIBLE_CONTACT:
-        depth = ARROW_LENGTH * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
+        depth = longest * face.gap[instant].clip(0) / scale.gap
         axes.fill(*band(face.x, depth), **GAP_STYLE, zorder=0.6)
     for interval in face.computed_zone(instant):
         points = [np.interp(interval, face.s, component) for component in face.x]
@@ -245,7 +247,7 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     every = max(1, round(len(face.s) / MOST_ARROWS))
     shown = np.flatnonzero(face.touching[instant])
     shown = shown[shown % every == 0]
-    arrows = -face.normal[:, None] * ARROW_LENGTH * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
+    arrows = -longest * face.pressure[instant, shown] / (scale.pressure or 1.0)
     axes.quiver(
         *face.x[:, shown],
         *arrows,
@@ -278,13 +280,13 @@ def draw_shapes(
     for axes, instant in zip(panels, picture.shown, strict=True):
         draw_deformed_mesh(axes, picture, instant, scale, width)
         axes.set_title(picture.clock(instant))
-    draw_keys(figure, list(panels), picture, scale, columns, **layout)
+    draw_keys(figure, panels, picture, scale, columns, **layout)
     figure.suptitle(picture.heading)
 
 
 def draw_keys(
     figure: Figure,
-    panels: list[Axes],
+    panels: Sequence[Axes],
     picture: Picture,
     scale: BodyScale,
     columns: int,
@@ -337,7 +339,7 @@ def draw_body(picture: Picture) -> Figure:
     aspect = BodyScale(picture).aspect
     figure = Figure(figsize=(column_width(), 0.7 + 0.45 * bars + (column_width() - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
-    layout: dict[str, Any] = dict(orientation="horizontal", fraction=0.05, shrink=0.7, pad=0.02)
+    layout: Style = dict(orientation="horizontal", fraction=0.05, shrink=0.7, pad=0.02)
     if is_slide():
         layout = dict(fraction=0.04, shrink=0.8)
     draw_shapes(figure, panels, picture, column_width() / count, 2, **layout)
@@ -649,7 +651,9 @@ def _draw_front(axes: Axes, face: Polygon, level: Array) -> None:
     """Draw the exact contact front of a face in 3D, where the level function is 0, and set the limits of the axes."""
     if level.min() < 0 <= level.max():
         axes.tricontour(_refined(face), level, [0], colors=VERMILLION, linewidths=1.0)
-    axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
+    left, bottom = face.s.min(axis=1)
+    right, top = face.s.max(axis=1)
+    axes.set(aspect="equal", xlim=(left, right), ylim=(bottom, top))
 
 
 def _refined(face: Polygon) -> Triangulation:
@@ -679,7 +683,7 @@ def draw_sketch() -> Figure:
 
     axes.add_patch(Rectangle((-0.12, -0.09), 1.74, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot([-0.12, 1.62], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
-    axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
+    axes.fill_between(s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
         arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
     arrow(axes, (1.07, 0.028), (1.07, -0.17), BLACK)
@@ -707,11 +711,6 @@ def draw_sketch() -> Figure:
     return figure
 
 
-def values_of_sketch() -> Json:
-    """Return the values in the caption of ``draw_sketch``: name in the template ↦ value."""
-    return dict()
-
-
 def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:
     """Draw an arrow between two points.
 
@@ -723,4 +722,4 @@ def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more
         more: further arguments of Matplotlib's ``annotate``.
     """
     style = dict(arrowstyle="-|>", color=colour, lw=0.9, shrinkA=0, shrinkB=0, mutation_scale=head)
-    axes.annotate("", tuple(end), tuple(start), arrowprops=style, **more)
+    axes.annotate("", end, start, arrowprops=style, **more)

@@ -39,7 +39,7 @@ from study.present.drawing import (
     legend,
     page_width,
 )
-from study.present.outcome import finest_orders, order_differences
+from study.present.outcome import Orders, finest_orders, order_differences
 from study.present.picture import Bools
 from study.present.templates import counted
 
@@ -53,8 +53,6 @@ RULE: Style = dict(color=GREY, lw=0.6)
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
 MESH_SIZE = "mesh size $h$"
-Orders = Mapping[str, float]
-"""Case ↦ order."""
 Lines = dict[str, tuple[str, Style]]
 """Column of a table ↦ its text in the legend, and the style of its lines."""
 
@@ -113,7 +111,7 @@ def label_ticks(panels: Iterable[Axes], least: int = 3) -> None:
     for axis in (axis for axes in panels for axis in (axes.xaxis, axes.yaxis)):
         if axis.get_scale() != "log":
             continue
-        low, high = map(float, axis.get_view_interval())
+        low, high = axis.get_view_interval()
         for mantissas in MANTISSAS:
             locator = LogLocator(subs=mantissas)
             ticks = np.asarray(locator.tick_values(low, high))
@@ -163,7 +161,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     Nothing is drawn if the slope is NaN, or if every line has a single point.
 
     Parameters:
-        axes: the axes, whose scales are logarithmic.
+        axes: the axes, whose scales are logarithmic; their lines go from large to small mesh sizes.
         slope: the slope.
         small: whether the axes are so small that the slope must be written above the triangle, not to its left.
     """
@@ -174,17 +172,18 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     x = np.concatenate(curves)[:, 0]
     start, end = x.min() + np.ptp(x) * np.array([0.09, 0.37])
     at = np.linspace(start, end, 50)
-    heights = [np.interp(at, *curve[np.argsort(curve[:, 0])].T) - slope * (at - start) for curve in curves]
+    heights = [np.interp(at, *curve[::-1].T) - slope * (at - start) for curve in curves]
     base = np.nanmax(heights) + 0.06 * decades
     top = base + slope * (end - start)
     corners = 10 ** np.array([[start, base], [end, top], [start, top]])
     axes.fill(*corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
+    shown = f"{slope:.3g}"
     text = dict(textcoords="offset points", fontsize=rcParams["xtick.labelsize"])
     beside = (10**start, 10 ** ((base + top) / 2))
     above_it = (10 ** ((start + end) / 2), 10**top)
     if not small:
-        axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
-    axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
+        axes.annotate(shown, beside, (-2, 0), ha="right", va="center", **text)
+    axes.annotate(shown if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
     # The text needs room above the triangle.
     axes.update_datalim([(10**end, 10 ** (top + 0.13 * decades))])
     axes.autoscale_view()
@@ -303,8 +302,8 @@ def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows.predicted + shift, rows.observed, ls="", **style)
-    axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
-    axes.set(xlim=(0, top), ylim=(0, top))
+    axes.set(xlabel="predicted order, families side by side", xlim=(0, top))
+    axes.set(ylabel="observed order, last two refinements", ylim=(0, top))
     return complete(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
 
 
@@ -336,7 +335,7 @@ def draw_collapsed(rates: DataFrame) -> Figure:
     """
     styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
-    ends = [rates.h.min(), rates.h.max()]
+    ends = [rates.h.max(), rates.h.min()]
     errors.loglog(ends, ends, color=GREY)
     ratios.axhline(1, **RULE)
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
@@ -417,8 +416,7 @@ def draw_enclosure(series: DataFrame, title: str) -> Figure:
             ratios.plot(time, rows[end] / rows[column], color=colour)
         levels.append(Patch(color=colour, **RANGE, label=f"$n={level}$"))
     ratios.axhline(1, **RULE)
-    errors.set(title=title, ylabel=r"$\|u(t)-u_h(t)\|_V$")
-    errors.set_ylim(bottom=lowest)
+    errors.set(title=title, ylabel=r"$\|u(t)-u_h(t)\|_V$", ylim=(lowest, None))
     ratios.set(xlabel="time $t$", ylabel=f"ends over {name}", ylim=(0, 2))
     lines = [entry(name, color=BLACK)]
     if "plain" in series:
@@ -475,9 +473,8 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
         uniform = result.uniform
         handles += bounds.plot(uniform.dofs, uniform.plain, color=GREY, marker="s", label="refined everywhere")
     bounds.plot(rows.dofs, rows.error, color=BLUE, ls=":")
-    first = rows.iloc[0]
     last = rows.iloc[-1]
-    x = np.geomspace(first.dofs, last.dofs, 3)
+    x = np.geomspace(rows.dofs.iloc[0], last.dofs, 3)
     y = 0.7 * last.bound * (x / last.dofs) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
     bounds.annotate("slope $-1/2$", (x[1], y[1]), (-5, -5), textcoords="offset points", ha="right", va="top")
@@ -530,8 +527,8 @@ def values_of_work(rows: DataFrame) -> Json:
     for _, of_case in rows[rows.family == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
-            of_term += orders(last.h.to_numpy(), last[term].to_numpy()).tolist()
-    return dict(**by_term)
+            of_term += orders(last.h, last[term]).tolist()
+    return by_term
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
@@ -582,7 +579,7 @@ def draw_rollers(rows: DataFrame) -> Figure:
 def values_of_rollers(rows: DataFrame) -> Json:
     """Return the values in the caption of ``draw_rollers``: name in the template ↦ value."""
     means = roller_means(rows)
-    fits = {family: fit(table.h.to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
+    fits = {family: fit(table.h, table["mean"]) for family, table in means if len(table) > 1}
     return dict(fits=fits)
 
 

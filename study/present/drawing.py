@@ -21,11 +21,14 @@ from pandas import DataFrame
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from study.ledger.datafiles import DataError
-from study.ledger.files import Paths, UsageError, write_text, write_whole
+from study.ledger.files import Json, Paths, UsageError, write_text, write_whole
 from study.present.templates import ENVIRONMENT, read_page
 
-OUTLINE, RIM = "0.35", "0.4"
-FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
+OUTLINE = "0.35"
+RIM = "0.4"
+FOUNDATION = "0.82"
+FOUNDATION_EDGE = "0.25"
+TRIANGLE = "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """Colours of the first, second, … line in a figure. The colours of the report page are in ``page/page.css``."""
 RAMPS = {"stress": "YlGnBu", "pressure": "OrRd"}
@@ -233,9 +236,10 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Pat
     Raises:
         DataError: a name from the data would write the figure into another directory.
     """
-    if set(drawing.name) & {"/", "\\", "\0"}:
+    name = drawing.name
+    if set(name) & {"/", "\\", "\0"}:
         raise DataError(
-            f"the figure {drawing.name!r} cannot be written, as its name contains a path separator or NUL: the data "
+            f"the figure {name!r} cannot be written, as its name contains a path separator or NUL: the data "
             "were edited or damaged"
         )
     with in_style(output):
@@ -245,22 +249,21 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Pat
         layout = figure.get_layout_engine()
         assert layout is not None
         layout.execute(figure)
-        rcParams["figure.constrained_layout.use"] = False
-        figure.set_layout_engine()
+        figure.set_layout_engine("none")
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
         written = [
-            write_whole(directory / f"{drawing.name}.{suffix}", partial(_save, figure, drawing, suffix))
+            write_whole(directory / f"{name}.{suffix}", partial(_save, figure, drawing, suffix))
             for suffix in output.suffixes
         ]
-    written.append(write_text(directory / f"{drawing.name}.txt", caption_text(drawing)))
+    written.append(write_text(directory / f"{name}.txt", caption_text(drawing)))
     if (table := drawing.table()) is not None:
-        written.append(write_text(directory / f"{drawing.name}.csv", table.to_csv(index=False)))
+        written.append(write_text(directory / f"{name}.csv", table.to_csv(index=False)))
     return written
 
 
 def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:
     """Save a figure with its alternative text in the format ``suffix``."""
-    options: dict[str, Any] = {}
+    options: Json = {}
     if suffix in ALTERNATIVE:
         texts = {"Title": drawing.name, ALTERNATIVE[suffix]: drawing.alternative}
         options["metadata"] = dict.fromkeys(CHANGING[suffix]) | texts

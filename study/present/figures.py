@@ -21,7 +21,6 @@ from study.present.body import (
     values_of_body,
     values_of_fronts,
     values_of_profiles,
-    values_of_sketch,
     values_of_zone,
 )
 from study.present.charts import (
@@ -54,7 +53,7 @@ from study.present.outcome import order_differences
 from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., Json], str]] = {
-    "problem": (draw_sketch, values_of_sketch, "Sketch of a body on a rigid foundation"),
+    "problem": (draw_sketch, dict, "Sketch of a body on a rigid foundation"),
     "convergence": (
         draw_convergence,
         values_of_convergence,
@@ -187,7 +186,7 @@ def drawings_of(
     # A figure with axes for each of many cases cannot be read on a slide.
     figures = [drawing for drawing in drawings(directory) if not (slides and drawing.sheet)]
     for option, kind, of, wanted in (("--case", "case", "case", cases), ("--only", "figure", "name", names)):
-        known = list(dict.fromkeys(getattr(drawing, of) for drawing in figures if getattr(drawing, of)))
+        known = dict.fromkeys(getattr(drawing, of) for drawing in figures if getattr(drawing, of))
         if unknown := [name for name in wanted if name not in known]:
             raise UsageError(f"{option} {unknown[0]}: {directory} has no such {kind}, only {', '.join(known)}")
         figures = [drawing for drawing in figures if not wanted or getattr(drawing, of) in wanted]
@@ -209,8 +208,8 @@ def overview(directory: Path) -> list[Drawing]:
     orders = expected_orders(directory, rates)
     # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
     for claim, rows in sorted(rates.groupby("claim"), key=lambda group: -len(group[1])):
-        name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-        figures.append(figure("overview", rows, orders, name=f"convergence{name}", sheet=rows.case.nunique() > SHEET))
+        name = re.sub(r"[^a-z0-9]+", "-", f"convergence {claim}".lower()).strip("-").removesuffix("-prop-5-4")
+        figures.append(figure("overview", rows, orders, name=name, sheet=rows.case.nunique() > SHEET))
     smooth = rates[rates.claim == "Prop. 5.4"]
     if len(smooth):
         figures.append(figure("collapsed", smooth))

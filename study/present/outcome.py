@@ -1,6 +1,6 @@
 """The printed texts of the commands: results of a run, bounds of errors, and verdicts as JUnit XML."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from math import ceil, inf, isinf, isnan
@@ -14,9 +14,10 @@ from pandas import DataFrame, Series
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
+from convergence_orders.tables import shorten
 from study.ledger.check import by_family
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
-from study.ledger.files import write_text
+from study.ledger.files import Json, write_text
 from study.ledger.quantities import RatesError, orders
 from study.ledger.text import cell, down, interval, is_narrow, outwards, significant, up, width
 from study.ledger.verdict import (
@@ -33,6 +34,8 @@ from study.present.templates import ENVIRONMENT, read_page
 
 SENTENCES: dict[str, str] = read_page("texts")["printed"]
 """Name of a printed sentence ↦ its template."""
+Orders = Mapping[str, float]
+"""Case ↦ order."""
 MOST_DETAILED_CASES = 3
 """If a run has at most this number of cases, its reported numbers without a claim are printed, too."""
 
@@ -75,11 +78,11 @@ def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
-                by_name[family] = orders(ends.h.to_numpy(), ends.error.to_numpy())[0]
+                by_name[family] = orders(ends.h, ends.error)[0]
     return by_name
 
 
-def order_differences(rates: DataFrame, expected: Mapping[str, float], refinements: int = 2) -> DataFrame:
+def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) -> DataFrame:
     """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
 
     Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
@@ -193,7 +196,7 @@ def observed_text(observed: float, low: float, high: float) -> str:
     return f"at least {cell(low)}" if isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: DataFrame, predicted: Mapping[str, float], shown: int) -> list[object]:
+def _rates_row(series: DataFrame, predicted: Orders, shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
@@ -256,8 +259,8 @@ def bounds_text(
     table: DataFrame,
     over_time: DataFrame,
     sentences: Sequence[str],
-    in_time: bool = True,
-    names: Sequence[str] = (),
+    in_time: bool,
+    names: Sequence[str],
 ) -> str:
     """Return the printed text: the interval of the error, whether it is guaranteed, and one line for each mesh.
 
@@ -329,18 +332,19 @@ def adaptive_text(
         " in time": (100 * rows.in_time).map("{:.1f} %".format) if in_time else None,
         "     error": rows.error.map(ERROR) if known else None,
     }
-    found += aligned({head: cells for head, cells in columns.items() if cells is not None})
+    found += aligned(columns)
     notes = "% of u: the bound over the least value that the norm of u can have", MEANING[in_time]
     return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
-def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
+def aligned(columns: Json) -> list[str]:
     """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
 
     Args:
-        columns: the cells of each column, by its head; blanks in front of a head make the column wider.
+        columns: the cells of each column, by its head; blanks in front of a head make the column wider. A column that
+            is None is left out.
     """
-    table = DataFrame({head: [*map(str, cells)] for head, cells in columns.items()})
+    table = DataFrame(columns).dropna(axis="columns").astype(str)
     return [line.rstrip() for line in table.to_string(index=False).splitlines()]
 
 
@@ -365,7 +369,7 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
 
     Names of more than ``NAME_WIDTH`` characters are cut, so that a line has at most 80 characters.
     """
-    labels = [one if len(one) <= NAME_WIDTH else f"{one[: NAME_WIDTH - 1]}…" for one in names or map(str, table.level)]
+    labels = [shorten(name, NAME_WIDTH) for name in names or map(str, table.level)]
     kind = "file" if names else "level"
     kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
     error = "       max error in" if in_time else "           error in"
@@ -373,9 +377,10 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
         kind: labels,
         error: _within(table, "lowest", "highest"),
         "         % of u": _within(table, "percent_low", "percent_high", PERCENT),
+        "    error": table.error.map(ERROR) if known else None,
+        "from u_h alone": _plain(table),
     }
-    columns |= {"    error": table.error.map(ERROR)} if known else {}
-    lines = aligned(columns | {"from u_h alone": _plain(table)})
+    lines = aligned(columns)
     if not table.order_low.notna().any():
         return lines
     orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
@@ -399,10 +404,5 @@ def _plain(rows: DataFrame) -> list[str]:
 
 def _within(rows: DataFrame, low: str, high: str, digits: int = SHOWN) -> list[str]:
     """Return the intervals between two columns as texts, rounded outwards; the text is empty if an end is unknown."""
-    texts = []
-    for least, most in zip(rows[low], rows[high], strict=True):
-        if isnan(least):
-            texts.append("")
-        else:
-            texts.append(interval(least, most, digits) if most < inf else f"[{down(least, digits)}, ∞]")
-    return texts
+    ends = zip(rows[low], rows[high], strict=True)
+    return ["" if isnan(least) else interval(least, most, digits) for least, most in ends]

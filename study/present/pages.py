@@ -6,9 +6,8 @@ Usage: python -m study.present.pages results README.md docs/explanation/results.
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 from pandas import DataFrame
 
@@ -17,7 +16,7 @@ from study.fem.mesh import FAMILIES
 from study.ledger.codes import MADE, Codes
 from study.ledger.controls import missed as missed_faults
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
-from study.ledger.files import write_text
+from study.ledger.files import Json, write_text
 from study.ledger.schema import SCHEMA
 from study.ledger.schema import markdown as described
 from study.ledger.text import cell
@@ -124,8 +123,9 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     if data and (root / "pyproject.toml").is_file():
         for name, badge in badges(data, root / "pyproject.toml").items():
             expected[directory / "badges" / name] = badge, BY_PAGES
-        if (root / "README.md").is_file():
-            expected[root / "README.md"] = refreshed(root / "README.md", data), BY_PAGES
+        readme = root / "README.md"
+        if readme.is_file():
+            expected[readme] = refreshed(readme, data), BY_PAGES
     return {path: (text, made_by.format(directory)) for path, (text, made_by) in expected.items() if path.is_file()}
 
 
@@ -196,7 +196,7 @@ def results(data: FullRun) -> str:
     return _table(["claim", "predicted", "observed", "verdict"], lines)
 
 
-def _verdict(claims: DataFrame, line: Mapping[str, Any]) -> str:
+def _verdict(claims: DataFrame, line: Json) -> str:
     """Return the worst verdict on a statement, and how many of its checks have each verdict.
 
     Then follows how many of them can only fail if the program is wrong.

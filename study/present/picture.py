@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
 from json import loads
@@ -17,9 +17,8 @@ from pandas import DataFrame
 
 from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompressed
 from study.ledger.files import Json
-from study.ledger.pictures import Facets, Numbers, Packed
+from study.ledger.pictures import Array, Facets, Numbers, Packed
 
-Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 ZONE_SAMPLES = 10_001
 """The number of positions along a face at which exact and computed contact zones are compared."""
@@ -183,7 +182,6 @@ class Picture:
         von_mises: von Mises stresses of the cells, (times, cells).
         shown: the indices of the times at which figures show the body.
         faces: the contact faces.
-        size: the longest side of the box around the undeformed body.
         heading, place: the case, the mesh family and the level, as a title with TeX formulas, and as text for captions.
 
     Raises:
@@ -193,7 +191,7 @@ class Picture:
 
     def __init__(self, record: Json) -> None:
         self.case = str(record["case"])
-        self.family = str(record["family"])
+        self.family = record["family"]
         self.level = int(record["level"])
         names = ("times", "vertices", "displacement", "von_mises")
         self.times, self.vertices, self.displacement, self.von_mises = (read_values(record[name]) for name in names)
@@ -206,7 +204,6 @@ class Picture:
         plane = len(self.vertices) == 2
         self.shown: Sequence[int] = [int(np.argmin(abs(self.times - time))) for time in record["shapes"]]
         self.faces = [_face(face, self.times, self.cells, plane) for face in record["faces"]]
-        self.size = np.ptp(self.vertices, axis=1).max()
         self.heading = f"{self.case} ({self.family}, $n={self.level}$)"
         self.place = f"{self.case}, {self.family} mesh with n = {self.level}"
 
@@ -267,7 +264,7 @@ class Picture:
 
 def read_values(entry: Any) -> Array:
     """Return the array in an entry of a JSON file, which is a list of numbers or has the form of ``Packed.record``."""
-    return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
+    return Packed.read(entry).values if isinstance(entry, dict) else np.array(entry, dtype=float)
 
 
 def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistory:
@@ -281,7 +278,7 @@ def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistor
     """
     names = [field.name for field in fields(FaceHistory) if field.name not in ("times", "number")]
     common: Json = {name: read_values(record[name]) for name in names}
-    common |= {"times": times, "number": int(record["face"])}
+    common |= {"times": times, "number": record["face"]}
     if not plane:
         nodes = np.array(record["nodes"], dtype=np.int64)
         level = read_values(record["level_exact"])
@@ -305,8 +302,7 @@ def picture_path(directory: Path, case: str) -> Path:
 
 def read_record(path: Path) -> Json:
     """Return the content of a compressed JSON file; raises ValueError if the file is damaged."""
-    record: Json = loads(read_uncompressed(path))
-    return record
+    return loads(read_uncompressed(path))
 
 
 def read_picture(directory: Path, case: str) -> Picture:

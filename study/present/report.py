@@ -127,15 +127,16 @@ def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: Ru
         enclosed = enclosed_series(enclosures[enclosures.case == name])
         charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
         of_case = [(caption, table.of_case(name)) for caption, table in shown]
-        page = dict(
-            name=name,
-            facts=fact,
-            counts=count_verdicts(claims[claims.case == name]),
-            observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
-            charts=charts,
-            tables=[(caption, table) for caption, table in of_case if table.rows],
+        pages.append(
+            dict(
+                name=name,
+                facts=fact,
+                counts=count_verdicts(claims[claims.case == name]),
+                observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+                charts=charts,
+                tables=[(caption, table) for caption, table in of_case if table.rows],
+            )
         )
-        pages.append(page)
     pictures = run_map(draw_case, repeat(directory), cases.case, [page["charts"] for page in pages])
     return [page | drawn for page, drawn in zip(pages, pictures, strict=True)]
 

@@ -20,7 +20,7 @@ from PIL import Image
 
 from manufactured.colours import BLACK, SKY, VERMILLION
 from study.ledger.files import Json, Paths, write_text, write_whole
-from study.ledger.pictures import MeshFields, MeshSeries
+from study.ledger.pictures import Array, Numbers
 from study.present.body import (
     NEGLIGIBLE_CONTACT,
     NODES,
@@ -33,7 +33,7 @@ from study.present.body import (
     ramp,
 )
 from study.present.drawing import RIM, column_width, dots, entry, in_style, page_width
-from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
+from study.present.picture import FaceHistory, Picture, Polygon, Segment
 
 MOMENTS = 6
 COLUMNS = 3
@@ -45,13 +45,15 @@ GIF_COLOURS = 128
 PER_SECOND = 8
 HOLD = 1000
 """The frames per second of animations, and the milliseconds for which a GIF shows its last frame."""
-
+Fields = dict[str, Array]
+TimeSeries = list[tuple[float, meshio.Mesh]]
+"""Times, and a mesh with its fields at each time."""
 
 NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`, and run the command again"
 
 
 def draw_show(
-    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object]
+    record: Json, series: TimeSeries, directory: Path, notify: Callable[[], object]
 ) -> tuple[Paths, list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
@@ -267,13 +269,13 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     axes.set(ylim=(0, 1.08 * top if top > NEGLIGIBLE_CONTACT else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
 
 
-def write_vtk(directory: Path, name: str, series: MeshSeries) -> Paths:
+def write_vtk(directory: Path, name: str, series: TimeSeries) -> Paths:
     """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them.
 
     Parameters:
         directory: the directory of the files.
         name: the beginning of the file names.
-        series: a mesh, and fields on it at several times.
+        series: the times, and the mesh with its fields at each time.
 
     Returns:
         The paths of the files, with ``name.pvd`` first.
@@ -281,27 +283,31 @@ def write_vtk(directory: Path, name: str, series: MeshSeries) -> Paths:
     root = Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = SubElement(root, "Collection")
     files = []
-    for number, fields in enumerate(series.fields):
-        mesh = mesh_of(series, fields)
+    for number, (time, mesh) in enumerate(series):
         files.append(write_whole(directory / f"{name}-{number:03d}.vtu", partial(mesh.write, file_format="vtu")))
-        time = f"{fields.time:.12g}"
-        SubElement(collection, "DataSet", timestep=time, group="", part="0", file=files[-1].name)
+        SubElement(collection, "DataSet", timestep=f"{time:.12g}", group="", part="0", file=files[-1].name)
     indent(root)
     text = tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     return [write_text(directory / f"{name}.pvd", text), *files]
 
 
-def mesh_of(series: MeshSeries, fields: MeshFields) -> meshio.Mesh:
-    """Return the undeformed mesh with the fields at one time, for ParaView.
+def vtk_mesh(vertices: Array, cells: Numbers, at_vertices: Fields, in_cells: Fields) -> meshio.Mesh:
+    """Return an undeformed mesh with fields for ParaView.
 
     In 2D, vectors and matrices are padded with zeros to three components. So σ_33 is written as 0, although it is not
     known.
+
+    Parameters:
+        vertices: coordinates of the vertices, (d, vertices).
+        cells: vertex numbers of the triangles or tetrahedra, (d + 1, cells).
+        at_vertices: name ↦ scalars, (vertices,), or vectors, (d, vertices); NaN at vertices without a value.
+        in_cells: name ↦ scalars, (cells,), or matrices, (d, d, cells).
     """
     return meshio.Mesh(
-        _padded(series.vertices),
-        [({2: "triangle", 3: "tetra"}[len(series.vertices)], series.cells.T)],
-        point_data={name: _padded(values) for name, values in fields.at_vertices.items()},
-        cell_data={name: [_padded(values)] for name, values in fields.in_cells.items()},
+        _padded(vertices),
+        [({2: "triangle", 3: "tetra"}[len(vertices)], cells.T)],
+        point_data={name: _padded(values) for name, values in at_vertices.items()},
+        cell_data={name: [_padded(values)] for name, values in in_cells.items()},
     )
 
 

@@ -9,18 +9,20 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from math import nan
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from pandas import DataFrame, Series
 
 from study.ledger.controls import summary
 from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
+from study.ledger.files import Json
 from study.ledger.text import cell
 from study.ledger.verdict import NOWHERE
 from study.present.templates import encode, folding, prose, read_page, render
 
-TABLE_COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
+TextFiles = dict[Path, str]
+"""Path ↦ text of a file."""
+TABLE_COLUMNS: dict[str, list[Json]] = read_page("tables")
 """Name of a table ↦ groups of columns: the kind of the columns ↦ names and headings, and perhaps their width."""
 
 
@@ -101,7 +103,7 @@ class Table:
         rows = self.cells.loc[self.cells.case == case, [column.name for column in columns]]
         return Table(self.name, columns, rows)
 
-    def texts(self, directory: Path) -> dict[Path, str]:
+    def texts(self, directory: Path) -> TextFiles:
         """Return path ↦ text of the CSV, Markdown and LaTeX files of the table in a directory."""
         groups = [
             (titles, rows.iloc[:, self.grouped :].to_numpy().tolist())

@@ -23,7 +23,6 @@ from json import loads
 from math import floor, log10
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
@@ -45,7 +44,7 @@ from study.ledger.verdict import NO_ROW, NOT_TESTED, UNCLAIMED, agreement
 from study.ledger.window import STEEPER
 
 
-def read_page(name: str) -> dict[str, Any]:
+def read_page(name: str) -> Json:
     """Return the texts in ``page/NAME.toml``."""
     return tomllib.loads((Path(__file__).parent / "page" / f"{name}.toml").read_text(encoding="utf-8"))
 
@@ -142,10 +141,10 @@ def _kinds(words: Sequence[str]) -> list[bool]:
     """
     kinds = []
     for word in words:
-        marked = any(c in _SYMBOLS for c in word) or bool(_SCRIPT.search(word))
+        marked = any(c in _SYMBOLS for c in word) or _SCRIPT.search(word)
         dotted = any(c in "\u0307\u0303" for c in unicodedata.normalize("NFD", word))
         few_letters = len(_TAIL.sub("", word)) <= 3
-        kinds.append(marked or (dotted and few_letters) or bool(_LETTER.fullmatch(word)))
+        kinds.append(bool(marked or (dotted and few_letters) or _LETTER.fullmatch(word)))
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):
         before = words[i - 1]
@@ -163,8 +162,8 @@ def _clauses(words: Sequence[str]) -> list[int]:
 
 def _run(text: str) -> str:
     """Return words of mathematics as one formula, with the final punctuation outside."""
-    tail = _TAIL.search(text)
-    return rf"\({_formula(text[: tail.start()])}\){tail[0]}" if tail else rf"\({_formula(text)}\)"
+    formula = text.rstrip(".,;:")
+    return rf"\({_formula(formula)}\){text[len(formula) :]}"
 
 
 def _formula(text: str) -> str:
@@ -206,7 +205,8 @@ def _joined(atoms: list[str]) -> str:
             merged.append(atom)
     text = ""
     for atom in merged:
-        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalnum() else ""
+        if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalnum():
+            text += " "
         text += atom
     return re.sub(r" +", " ", text).strip()
 
@@ -225,8 +225,10 @@ def typeset(text: str) -> Markup:
 
 def _tagged(match: re.Match[str]) -> str:
     """Return a superscript or subscript, and scripts in it, in HTML."""
-    tag = _TAGS[match[1]]
-    script = match[2][1:-1] if match[2].startswith("{") else match[2]
+    mark, script = match.groups()
+    tag = _TAGS[mark]
+    if script.startswith("{"):
+        script = script[1:-1]
     return f"<{tag}>{_HTML_SCRIPT.sub(_tagged, script)}</{tag}>"
 
 
@@ -268,9 +270,9 @@ def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
     return above(scale * rows.high.max(), decimals)
 
 
-def span(rows: DataFrame, decimals: int = 2) -> str:
+def span(rows: DataFrame) -> str:
     """Return the range of the results in rows of ``claims.csv`` as text, such as "0.92 to 1.00", rounded outwards."""
-    return outwards(rows.low.min(), rows.high.max(), decimals)
+    return outwards(rows.low.min(), rows.high.max())
 
 
 def spans(rows: DataFrame) -> str:

@@ -293,7 +293,7 @@ def available(root: Path = Path("/")) -> float:
     On Linux, control groups may limit the memory of a process, for example in a container. Their limits are read from
     /proc and /sys below ``root``. Page cache that can be dropped counts as free. Other systems have no control groups.
     """
-    return min([float(psutil.virtual_memory().available), *_free_in_control_groups(root)])
+    return min([psutil.virtual_memory().available, *_free_in_control_groups(root)])
 
 
 def _free_in_control_groups(root: Path) -> Iterator[float]:
@@ -306,7 +306,7 @@ def _free_in_control_groups(root: Path) -> Iterator[float]:
         limit, used = (_read(directory / name).strip() for name in ("memory.max", "memory.current"))
         droppable = re.search(r"^inactive_file (\d+)$", _read(directory / "memory.stat"), re.MULTILINE)
         if limit.isdigit() and used.isdigit():
-            yield float(int(limit) - int(used) + int(droppable[1] if droppable else 0))
+            yield int(limit) - int(used) + int(droppable[1] if droppable else 0)
 
 
 def _read(path: Path) -> str:
@@ -445,7 +445,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
                 "versions, and the files of your cases at the same paths, and start the workers again. A case with "
                 "functions or classes of your own cannot be compared: run it without --cluster"
             )
-    each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
+    each = min(worker["memory_limit"] or inf for worker in workers.values())
     # Workers that join the cluster later are not used, because it was not checked that they compute the same.
     executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
 

@@ -219,8 +219,11 @@ def with_reasons(verdicts: Verdicts, rates: DataFrame) -> Verdicts:
         verdicts: all checks, of the catalogue and of users' cases.
         rates: the table ``rates.csv`` with the columns that ``predicted`` adds.
     """
-    own = {str(case): rows for case, rows in rates.groupby("case") if case not in NAMES}
-    judged = {case: iter(judge_own([v for v in verdicts if v.case == case], rows)) for case, rows in own.items()}
+    judged = {
+        case: iter(judge_own([verdict for verdict in verdicts if verdict.case == case], rows))
+        for case, rows in rates.groupby("case")
+        if case not in NAMES
+    }
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 

@@ -97,7 +97,7 @@ def sources() -> dict[str, Json]:
         places.append((type(statement), statement.label, data))
     files = [(label, Path(inspect.getfile(kind)).relative_to(ROOT).as_posix(), data) for kind, label, data in places]
     of_labels = DataFrame(files, columns=["label", "code", "data"]).groupby("label", sort=False)
-    return {str(label): {name: rows[name].unique().tolist() for name in ("code", "data")} for label, rows in of_labels}
+    return of_labels.agg(lambda paths: [*dict.fromkeys(paths)]).to_dict("index")
 
 
 def read_provenance(directory: Path) -> Json:

@@ -28,7 +28,12 @@ LARGEST_PROCESS = 2**31 - 1
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
 """The files and folders that ``study run`` and the commands for its data write into a result directory."""
 OF_A_PROBLEM = (
-    *("data/jobs/*.json", "levels.csv", "trajectory-*.npz", "adapted-*.npz", "adaptive.*", "enclosure.*"),
+    "data/jobs/*.json",
+    "levels.csv",
+    "trajectory-*.npz",
+    "adapted-*.npz",
+    "adaptive.*",
+    "enclosure.*",
     "certificate-*.json.gz",
 )
 """Patterns of the files that ``study bound`` and ``study certify`` write for one problem."""
@@ -73,8 +78,8 @@ class Store:
             return
         for place in self.written:
             written = self.directory / place
-            files = [written] if written.is_file() else sorted(path for path in written.rglob("*") if path.is_file())
-            foreign = next((path for path in files if not path.name.startswith(".")), None)
+            paths = sorted((written, *written.rglob("*")))
+            foreign = next((path for path in paths if path.is_file() and not path.name.startswith(".")), None)
             if foreign:
                 raise StoreError(
                     f"{foreign} was not written by a study, and might be overwritten: give another directory with "
