@@ -9,6 +9,7 @@ from argparse import Namespace
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from hashlib import sha256
 from itertools import count
 from pathlib import Path
 
@@ -241,8 +242,9 @@ def displacements_in_files(
         def shown(u_h: Computed = u_h) -> MeshInTime:
             return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
-        values = mesh.p, mesh.t, u_h.times, u_h.nodes, u_h.steps, u_h.remarks, refined
-        cache_key = of_problem(data, case, values)
+        # Files may have millions of numbers, which would take long as texts.
+        arrays = sha256(b"".join(array.tobytes() for array in (mesh.p, mesh.t, u_h.times, u_h.nodes)))
+        cache_key = of_problem(data, case, (arrays.hexdigest(), u_h.steps, u_h.remarks, refined))
         remark = f"{path}: degree {u_h.degree}, {mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
         displacements.append(
             Displacement(f"displacement-{number}", cache_key, compute, shown, file_name=path.name, remark=remark)

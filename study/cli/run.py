@@ -167,8 +167,9 @@ def scope_from_options(options: Namespace) -> Scope:
     study = {"quick": quick, "full": full}[options.plan]()
     scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
     if options.case:
-        cases, plane = tuple(map(absolute, options.case)), scope.plane if scope.full else PLANE_LEVELS
-        scope = replace(scope, cases=cases, plane=plane, every_family=True, statements=False)
+        cases = tuple(map(absolute, options.case))
+        alone = scope.plane if scope.full else PLANE_LEVELS
+        scope = replace(scope, cases=cases, plane=alone, every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
         # Theorem 4.2 is tested on coarse levels only, because the interior-point method solves only small problems.
