@@ -14,10 +14,10 @@ PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/stat
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper film cluster lock clean help
 
-study: $(RUNTIME)  ## quick study, results/quick, about a minute on two cores
+study: $(RUNTIME)  ## quick study, results/quick, less than a minute on two cores
 	$(BIN)/study run --quick --figures --undecided results/undecided-quick.csv --out results/quick
 
-full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow
+full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, half an hour, and the tests marked slow
 	$(BIN)/study run --full --undecided results/undecided-full.csv --out results
 	$(BIN)/study faults --out results
 	$(BIN)/study tables --out results

@@ -163,9 +163,9 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "run": ("run", "run the study: measure and judge; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
-                   help="few levels, about a minute on two cores, results in results/quick (default)"),
+                   help="few levels, less than a minute on two cores, results in results/quick (default)"),
             option("--full", dest="plan", action="store_const", const="full",
-                   help="all levels, an hour, results in results"),
+                   help="all levels, half an hour, results in results"),
         ],
         option("--case", action="extend", nargs="+", metavar=CASE,
                help="measure only these cases, by name or from your own file"),

@@ -214,7 +214,7 @@ PLANE_LEVELS = Levels((8, 16, 32))
 def quick() -> Scope:
     """Return the scope of the quick study: all statements, one mesh family for each case.
 
-    The quick study takes about a minute on two cores.
+    The quick study takes less than a minute on two cores.
     """
     return Scope(
         name="quick",
@@ -233,7 +233,7 @@ def quick() -> Scope:
 
 
 def full() -> Scope:
-    """Return the scope of the full study, which takes about an hour: all cases, more mesh families and levels."""
+    """Return the scope of the full study, which takes half an hour: all cases, more mesh families and levels."""
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),
