@@ -3,8 +3,8 @@
     python checker.py certificate-4.json.gz certificate-8.json.gz
 
 A certificate states a problem, a mesh and a computed displacement u_h on the mesh. It also contains witnesses: another
-displacement ũ, stresses σ̃, and a tensor field Φ. From these this program computes bounds of ‖u(t) − u_h(t)‖_V with
-integers, fractions and square roots that are rounded outward. The file does not state the bounds. The paper
+displacement ũ, stresses σ̃, and a tensor field Φ. From these this program computes an interval that contains ‖u(t) −
+u_h(t)‖_V, with integers, fractions and square roots that are rounded outward. The file does not state it. The paper
 ``paper/certificate.tex``, whose notation is used here, states what is proved and why this program proves it.
 
 Each property that a certificate must have is checked below. If one does not hold, ``RefusedError`` is raised. Exit
@@ -827,7 +827,7 @@ def combination(polynomials: Iterable[Poly], factors: Iterable[Any]) -> Poly:
 
 @cache
 def on_segment(a: Vector, b: Vector) -> list[Poly]:
-    """Return the ten monomials of degree at most 3, restricted to the segment from a to b, as polynomials in X."""
+    """Return the ten monomials of degree at most 3, at the points a + X (b − a), as polynomials in X."""
     return [p(*between(a, b)) for p in PLAIN]
 
 

@@ -50,8 +50,9 @@ class Check:
         levels: the least number of levels; with fewer levels the check is undecided.
         finest: whether only the last value decides between *holds* and *fails*. If other values lie outside the window,
             the check is undecided.
-        if_missed: why nothing is claimed; empty if something is claimed. The window is then a prediction of this study,
-            and a wrong prediction gives the verdict *missed*. Without a window the value is only reported.
+        if_missed: empty if something is claimed; otherwise the reason why nothing is claimed. If there is a reason, the
+            window is a prediction of this study, and a value outside it gives the verdict *missed*. Without a window
+            the value is only reported.
     """
 
     key: str

@@ -64,9 +64,9 @@ def rates_text(directory: Path) -> str:
 def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
     """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
 
-    A contact front that does not move, or a jump of the material, may lie inside cells, at 1/3 of a side (the cases
-    rough-1.75 and layered-unmet). With two refinements, which multiply n by 4, it has the same position in its cells of
-    both meshes, because 4n/3 and n/3 have the same fractional part.
+    A contact front that does not move, or a jump of the material, may lie at 1/3 of a side of the body, inside cells
+    (the cases rough-1.75 and layered-unmet). With two refinements, which multiply n by 4, it has the same position in
+    its cells of both meshes, because 4n/3 and n/3 have the same fractional part.
 
     Parameters:
         rates: rows of ``rates.csv`` of one case. Families with a single level, or with errors that have no order, are

@@ -360,9 +360,10 @@ EVERY_RATE = "for every ω and T"
 
 
 def columns(quantity: str) -> list[str]:
-    """Return the names of the columns of a quantity, such as "own rate", one for each pair (ω, T) of ``SWEEP``.
+    """Return the names of the columns of a quantity, one for each pair (ω, T) of ``SWEEP``.
 
-    In these names "own" stands for the scaled law of the case, and "even" for the law with G = −ωA.
+    The quantity "own rate" has the columns "own rate, ω = 0.1, T = 0.1" and so on.
+    In a quantity "own" stands for the scaled law of the case, and "even" for the law with G = −ωA.
     """
     return [f"{quantity}, {pair}" for pair in SWEEP]
 
