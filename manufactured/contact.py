@@ -601,7 +601,7 @@ class Lifting:
 
     def _local(self, terms: tuple[Term, ...], traces: tuple[Values, ...], along: Index, into: int, time: Time) -> Array:
         """Return the derivative ∂_s^along ∂_y^into of a sum of terms in the axes (s, n) of the face; ``into`` ≤ 1."""
-        dtype = np.result_type(traces[0][along], traces[1][along], self.y)
+        dtype = np.result_type(*(trace[along] for trace in traces), self.y)
         components = np.empty((1 + terms[-1].row, *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
         for term in terms:

@@ -65,8 +65,6 @@ from study.fem.space import Space, form
 from study.solve.multigrid import contact_solver
 from study.solve.signorini import Signorini
 
-SAME_TIME = 1e-9
-"""Two times count as equal if they differ by less than this fraction of a time interval between knots."""
 RAISED = 4
 """Increase of the degree of the standard quadrature rule when the error is computed from a known exact solution.
 
@@ -298,12 +296,8 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
         nodes: the times between which u_h is linear.
         u_h: the function t ↦ u_h(t).
     """
-    middle = (piece.a + piece.b) / 2
-    cuts = [piece.a, middle, piece.b]
-    for time in nodes[(nodes > piece.a) & (nodes < piece.b)].tolist():
-        if np.min(abs(time - np.array(cuts))) > SAME_TIME * (piece.b - piece.a):
-            cuts.append(time)
-    cuts.sort()
+    inside = nodes[(nodes > piece.a) & (nodes < piece.b)]
+    cuts = np.unique([piece.a, (piece.a + piece.b) / 2, piece.b, *inside]).tolist()
     differences = [piece.at(time) - u_h(time) for time in cuts]
     for c, d in pairwise(cuts):
         differences.append(piece.blossom(c, d) - (u_h(c) + u_h(d)) / 2)

@@ -113,14 +113,12 @@ def _npz(path: Path) -> Field:
         raise BoundError(f"{path} is no .npz file: write it by numpy.savez, with the arrays {', '.join(ARRAYS)}")
     _refuse_packed(path)
     with np.load(path) as file:
-        arrays = dict(file)
-    for key, name in OURS.items():
-        if key in arrays:
-            arrays[name] = arrays[key].T
+        arrays = {OURS.get(key, key): file[key].T if key in OURS else file[key] for key in file.files}
+        ours = "p" in file.files
     missing = [name for name in ("points", "triangles", "u") if name not in arrays]
     if missing:
         raise BoundError(f"{path} lacks {', '.join(missing)}; expected the arrays {', '.join(ARRAYS)}")
-    u = arrays["u"].swapaxes(-1, -2) if "p" in arrays else arrays["u"]
+    u = arrays["u"].swapaxes(-1, -2) if ours else arrays["u"]
     return Field(arrays["points"], arrays["triangles"], arrays.get("times"), u)
 
 

@@ -565,7 +565,9 @@ def _largest_norm(data: Data, computed: Computed, nodes: Array) -> float:
     V = _Unclamped(computed.mesh, computed.body)
     M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
     v = on_refinement(computed.mesh, computed.degree, computed.mesh) @ nodes.T
-    return math.sqrt(max(0.0, (v * (M @ v)).sum(axis=0).max()))
+    with np.errstate(over="ignore", invalid="ignore"):
+        squares = (v * (M @ v)).sum(axis=0)
+    return float(np.sqrt(np.maximum(squares.max(), 0.0)))
 
 
 def _percent(share: float) -> str:

@@ -104,7 +104,7 @@ def times(a: Intervals, b: Intervals) -> Intervals:
     """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         products = np.array([x * y for x in a for y in b])
-        if np.isnan(products.min()):  # a product 0 · ∞
+        if np.isnan(products).any():  # a product 0 · ∞
             products[np.isnan(products)] = 0.0
         ends = enclosed(products.min(axis=0), products.max(axis=0))
     zero = ~ends.any(axis=0)

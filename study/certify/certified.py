@@ -387,7 +387,7 @@ def constants(mesh: Json, problem: checker.Problem) -> Json:
     exact = checker.Mesh.of(mesh, problem)
     inside = WITH_FORCE if any(problem.force) else WITHOUT_FORCE
     field, largest = _solve(exact, problem, float(inside))
-    rounded = np.round(field * 2**FIELD_BITS).astype(np.int64).tolist()
+    rounded = [[int(component) for component in row] for row in np.round(field * 2**FIELD_BITS)]
     for slack in SLACKS:
         kappa = Fraction(largest * (1 - slack)).limit_denominator(10**6)
         stated = {

@@ -46,7 +46,7 @@ def do_run(options: Namespace) -> int:
     if options.levels:
         scope = with_levels_of(directory, scope)
     plan = Plan.of(scope)
-    # Cache keys need all cases. They are made before the workers start, which then need not make them again.
+    # Cache keys need all cases. Workers that are forked afterwards inherit the cases and need not make them again.
     missing = unfinished(plan.jobs, store)
     # More processes than jobs would have nothing to do.
     workers = min(options.jobs, len(plan.jobs))

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,7 +26,7 @@ from study.controls.faults import FAULTS, Fault
 from study.fem.naming import is_own, resolve
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, CheckKind, Verdict
-from study.run.plan import quick
+from study.run.plan import COVER, PLANE_LEVELS, quick
 from study.solve.evolution import furthest
 from study.statements.contact_force import ContactForce, touches
 from study.statements.prop_5_4 import (
@@ -110,12 +110,14 @@ class Measured:
 def measured_on(name: str) -> list[Measured]:
     """Return the statements whose checks may notice a fault in a case, in the settings of the quick study.
 
+    Plane cases that the quick study does not measure have the levels 8, 16 and 32.
+
     The first one is about the error. The contact force and Theorem 4.2 follow if they can be measured in the case.
     Theorem 4.2 compares two discrete problems and says nothing about the exact solution, so it is left out for a user's
     case.
     """
     case = resolve(name)
-    scope = quick()
+    scope = quick() if name in COVER else replace(quick(), plane=PLANE_LEVELS)
     family = regular(case).name
     levels = scope.levels_of(case).all
     rates, _ = OF_RATES[case.proposition]

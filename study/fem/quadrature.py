@@ -517,7 +517,8 @@ def cell_rules(
     barycentric, weights = simplex_rule(mesh.dim(), degree)
     volumes = cell_volumes(mesh)[:, None]
     gradients = barycentric_gradients(mesh) if along else None
-    for cells in np.split(ordinary, range(CELLS_IN_RULE, ordinary.size, CELLS_IN_RULE)):
+    for start in range(0, ordinary.size, CELLS_IN_RULE):
+        cells = ordinary[start : start + CELLS_IN_RULE]
         x = placed(mesh.p, mesh.t[:, cells], barycentric)
         shares = weights
         if gradients is not None:

@@ -250,7 +250,9 @@ class Programme:
         every_cell = sps.eye_array(cells)
         balance = B.T @ sps.kron(every_cell, potential.stress, format="csr")
         in_cones = sps.kron(every_cell, np.eye(p)[p - potential.cone :])
-        hessian = sps.block_diag([*potential.quadratic / self.compliance, sps.csr_array((m, m))])
+        blocks = potential.quadratic / self.compliance
+        of_cells = sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
+        hessian = sps.block_diag([of_cells, sps.csr_array((m, m))])
         # Clarabel expects the form: min ½ xᵀPx + qᵀx subject to Ax + s = b, with s in a product of cones.
         constraints = sps.block_array([[balance, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]

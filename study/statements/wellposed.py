@@ -1085,11 +1085,12 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
 
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
-    distinct: dict[tuple[float, ...], Part] = {}
+    distinct: list[Part] = []
     for part in body.of(kind):
-        line = np.append(part.normal, part.normal @ part.start)
-        distinct.setdefault(tuple(line.round(9)), part)
-    return list(distinct.values())
+        lines = [np.append(other.normal, other.normal @ other.start) for other in (*distinct, part)]
+        if not any(np.allclose(line, lines[-1]) for line in lines[:-1]):
+            distinct.append(part)
+    return distinct
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
