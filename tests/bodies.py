@@ -2,7 +2,10 @@
 
 from manufactured import FrobeniusBall, KelvinVoigt, Kind, Yield, isotropic, polygon
 
-CONTACT, LOADED, CLAMPED, ROLLER = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.ROLLER
+CONTACT = Kind.CONTACT
+LOADED = Kind.LOADED
+CLAMPED = Kind.CLAMPED
+ROLLER = Kind.ROLLER
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 SIDES = [CONTACT, LOADED, CLAMPED, LOADED]
 ANGLE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]

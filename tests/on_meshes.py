@@ -8,7 +8,8 @@ from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 
-GRID, USUAL = OneDiagonal(), Refined(1, 1)
+GRID = OneDiagonal()
+USUAL = Refined(1, 1)
 
 
 def space_on(body, n, family=GRID):

@@ -38,7 +38,8 @@ class RandomFormula:
     def __call__(self, depth):
         if depth == 0:
             return self._chosen(x1, x2, t, x1 - x2) - Rational(int(self.rng.integers(5)), 4)
-        a, b = self(depth - 1), self(int(self.rng.integers(depth)))
+        a = self(depth - 1)
+        b = self(int(self.rng.integers(depth)))
         if self.rng.random() < 1 / 3:
             otherwise = self._chosen(sp.Integer(0), sp.Integer(1), a + 1)
             branches = (a, self.condition(depth - 1)), (b, self.condition(0)), (otherwise, True)

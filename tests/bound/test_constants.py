@@ -73,7 +73,8 @@ def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch)
         found = load_constants.__wrapped__(BODY, LAW.A)
         return np.array([found.volume, found.surface]) ** 2
 
-    before, largest = constants_of(), []
+    before = constants_of()
+    largest = []
 
     def doubled(*args):
         largest.append(cell_constants(*args[:2], 1).max())  # the rest of loads that are linear on every cell
@@ -105,7 +106,8 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound():
     assert relative((0.0, 3.5), (0.0, 0.0)) == (0.0, math.inf)
     assert found.lower.tolist() == [1.5, 0.0, 0.0]
     assert found.upper.tolist() == [2.5, 3.0, 0.5]
-    assert (found.lowest, found.highest) == (1.5, 3.5)
+    assert found.lowest == 1.5
+    assert found.highest == 3.5
     assert replace(found, start=4.0).highest == 4.0
 
 

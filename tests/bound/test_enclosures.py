@@ -53,7 +53,8 @@ def distance(discretisation, solution):
     """(t, v) ↦ ‖u(t) − v‖_V for v of degree 2."""
     lines = [Line(*line) for line in discretisation.data.lines]
     rules = cell_rules(discretisation.mesh, 8, lines, discretisation.data.points)
-    fields, V = [(rule, solution.at(rule.points)) for rule in rules], discretisation.displacements
+    fields = [(rule, solution.at(rule.points)) for rule in rules]
+    V = discretisation.displacements
 
     def measured(time, v):
         parts = [(rule, exact.strain(time) - V.strain_at(v, rule.cells, rule.points)) for rule, exact in fields]
@@ -79,11 +80,13 @@ def closest(case, mesh, scheme, steps, trajectory):
     true = distance(fine, case.solution)
     rng = np.random.default_rng(0)
     for piece, interval in zip(spline(trajectory.nodes(fine, computed)), found.intervals, strict=True):
-        assert (piece.a, piece.b) == (interval.a, interval.b)
+        assert piece.a == interval.a
+        assert piece.b == interval.b
         assert interval.inside >= max(interval.at_a, interval.at_b) * (1 - 1e-12)
         for share, bound in ((rng.random(), interval.inside), (1.0, interval.at_b)):
             time = piece.a + share * (piece.b - piece.a)
-            v, u = piece.at(time), computed.at(time)
+            v = piece.at(time)
+            u = computed.at(time)
             assert (fine.displacements.N @ v).max(initial=0.0) <= 1e-10
             assert true(time, v) <= bound + slack
             assert error(time, u) <= min(bound + fine.norm(v - u_h(time)), found.highest) + slack
@@ -121,7 +124,8 @@ def test_no_error_lies_outside(number, level, trajectory):
 def test_all_cases_families_and_schemes_have_their_turn():
     assert [name for name in NAMES if eligible(named(name)) and name not in GAPS] == BOUNDED
     _, families, schemes = zip(*map(turn, range(len(BOUNDED))), strict=True)
-    assert (set(families), set(schemes)) == (set(FAMILIES), set(SCHEMES))
+    assert set(families) == set(FAMILIES)
+    assert set(schemes) == set(SCHEMES)
 
 
 def test_a_refined_mesh_encloses_the_error_more_tightly():
@@ -196,7 +200,8 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 
 
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch):
-    data, found = data_of("yield-and-release"), []
+    data = data_of("yield-and-release")
+    found = []
     for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST_INTERVALS", 1)
         monkeypatch.setattr(terms, "MOST_INTERVALS", most)

@@ -62,12 +62,14 @@ CHANGES = {
 @of_both_degrees
 @pytest.mark.parametrize("change", CHANGES)
 def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_steps_is_enclosed(change, degree):
-    case, times = named("rotated"), np.array([0.0, 1, 3, 4.5, 6]) / 6
+    case = named("rotated")
+    times = np.array([0.0, 1, 3, 4.5, 6]) / 6
     mesh = Unstructured()(case.solution.body, 3)
     points, triangles = mesh.p.T, np.roll(mesh.t.T, 1, axis=1)  # corners in another order than the one of MeshTri
     if degree == 2:
         points, triangles = of_degree_2(points, triangles)
-    fields, (foundation,) = case.solution.at(points.T), case.solution.body.of(CONTACT)
+    fields = case.solution.at(points.T)
+    (foundation,) = case.solution.body.of(CONTACT)
     u = np.array([fields.displacement(time).T for time in times])
     moves = (abs(u).max(axis=(0, 2)) > 1e-12)[:, None]
     field = CHANGES[change](u, moves * foundation.normal)
@@ -224,11 +226,13 @@ def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_
     change = bent["u"][-1] - bounded.computed.nodes[-1].reshape(-1, 2)
     assert change == pytest.approx(0.01 * bent["points"][:, :1] * (bent["points"][:, 1:] == [1, 1]))
     held_below = Space(bounded.computed.mesh, polygon(CORNERS, [CLAMPED, *3 * [LOADED]]))
-    v, offset = change.ravel()[held_below.free], bounded.computed.offset
+    v = change.ravel()[held_below.free]
+    offset = bounded.computed.offset
     assert offset == pytest.approx(np.sqrt(v @ form(held_below, LAW.A) @ v), rel=1e-9)
     assert any("u_h is changed by up to 0.01 on side 2 (CLAMPED)" in remark for remark in bounded.remarks)
     ends = re.search(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1]).groups()
-    low, high = bounded.enclosure.lowest - offset, bounded.enclosure.highest + offset
+    low = bounded.enclosure.lowest - offset
+    high = bounded.enclosure.highest + offset
     assert [float(end) for end in ends] == pytest.approx([max(0.0, low), high], rel=1e-3)
 
 
@@ -442,7 +446,8 @@ def test_files_without_a_displacement_are_refused(unusable, name, message):
 @pytest.mark.parametrize("series", [True, False])
 def test_a_file_that_needs_a_missing_package_says_which(series, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    path, arrays = tmp_path / "mine.xdmf", field()
+    path = tmp_path / "mine.xdmf"
+    arrays = field()
     if series:
         write(path, **arrays, form="HDF")
     else:

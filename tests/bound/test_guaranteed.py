@@ -81,7 +81,8 @@ def test_a_traction_that_changes_across_its_side_is_not_decided_by_rounding(cond
 # ---- what is not guaranteed says so
 
 
-SQUARE, ISOTROPIC = unit_square(), isotropic(1, 1)
+SQUARE = unit_square()
+ISOTROPIC = isotropic(1, 1)
 LAYERS = Linear(ISOTROPIC.matrix, layers((1.0, 0.0), 0.5, 2.0))
 
 

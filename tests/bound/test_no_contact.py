@@ -80,7 +80,8 @@ def test_the_upper_bound_of_a_static_displacement_equals_its_error(shape):
 @pytest.mark.parametrize("factor", [1.0, 0.9, -1.0])
 def test_any_displacement_of_a_static_body_is_enclosed(factor, shape):
     """The nodal values of w on linear triangles, and wrong ones: too small by a tenth, and of the wrong sign."""
-    data, w = elastic(shape), PROBLEMS[shape][2]
+    data = elastic(shape)
+    w = PROBLEMS[shape][2]
     mesh = Shaken()(data.body, 2)
     nodal = factor * np.array([sp.lambdify((x1, x2), one, "numpy")(*mesh.p) for one in w]).T
     check_static(data, w, bound_displacement(data, mesh.p.T, mesh.t.T, None, nodal, refine=0), 0.0)

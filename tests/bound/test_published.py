@@ -67,6 +67,7 @@ def test_the_energy_that_is_released_by_cracks(factor):
     else:
         short, long = (energy(cracked(1 - a, ROLLER, FREE), 16) for a in LENGTHS)
     published = quad(lambda a: math.pi * a * factor(a) ** 2, *LENGTHS)[0]
-    low, high = long[0] - short[1], long[1] - short[0]
+    low = long[0] - short[1]
+    high = long[1] - short[0]
     assert low <= published <= high
     assert f"{published:.4f} | {interval(low, high, 4)}" in PAGE

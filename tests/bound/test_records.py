@@ -69,7 +69,8 @@ def test_proved_intervals_of_codes_lie_in_those_in_double_precision():
 
 
 def test_a_certificate_of_a_code_needs_the_mesh_of_the_proof(tmp_path):
-    checker, path = certify_codes.checker, tmp_path / "mine.npz"
+    checker = certify_codes.checker
+    path = tmp_path / "mine.npz"
     proof = checker.load(CERTIFICATES / "wedge-4.json.gz")
     mesh = certify_codes.in_doubles(checker.Mesh.of(proof["mesh"], checker.Problem(proof["problem"])))
     u = 2 * np.array(proof["computed"])
@@ -90,7 +91,8 @@ def test_the_march_that_codes_get_is_the_problem_of_the_study():
     import this_study
     from contact_judge import Task, answer
 
-    data, level = ramp(), 4
+    data = ramp()
+    level = 4
     task = judge_codes.task("ramp", data, family_named("one-diagonal")(data.body, level), level)
     exported = Task("ramp", plain(march(task, level)))
     u = answer(exported, this_study.make)

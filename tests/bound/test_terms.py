@@ -46,7 +46,8 @@ LAW = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
 BODY = polygon(SQUARE, [CONTACT, LOADED, LOADED, CLAMPED])
 """Held at the left side."""
 N = 2
-EDGE, CELL = 1 / N, 1 / (2 * N * N)
+EDGE = 1 / N
+CELL = 1 / (2 * N * N)
 """Length of an edge and area of a cell."""
 
 
@@ -169,7 +170,8 @@ def contact():
     d = discretised((0, -20 * (1 + t)))
     v = quadratic(d, lambda x, y: x + y - x * y, 1)
     a, m, b = (d.snapshot(time).loads for time in (0.0, 0.25, 0.5))
-    loads, factors = (a, 2.0 * m + (-0.5) * (a + b), b), (1.0, 1.5, 2.0)
+    loads = a, 2.0 * m + (-0.5) * (a + b), b
+    factors = 1.0, 1.5, 2.0
     nearest = [
         d.nearest_stress(load, d.viscous(2 * v) + d.elastic(u), u)
         for load, u in zip(loads, [factor * v for factor in factors], strict=True)
@@ -187,7 +189,8 @@ def contact():
 
 def curvature():
     """β k |ε̇| 2θ(1 − θ) has the mean β k |ε̇|/3 and is β k |ε̇|/2 at most; |ε̇| is larger at the end of this piece."""
-    beta, k = 4.0, 0.5
+    beta = 4.0
+    k = 0.5
     law = KelvinVoigt(isotropic(1, 0), Yield(beta, FrobeniusBall(1e-3)), "yields at once")
     d = discretised(law=law)
     v = stretch(d) + stretch(d, 1)
@@ -257,7 +260,8 @@ def random_step(rng):
     r = rng.normal(size=3)
     e = rng.normal(size=3)
     e *= 10 ** rng.uniform(-2, 1)
-    k, contact = 10 ** rng.uniform(-3, 0), float(rng.choice([0.0, 10 ** rng.uniform(-3, 0)]))
+    k = 10 ** rng.uniform(-3, 0)
+    contact = float(rng.choice([0.0, 10 ** rng.uniform(-3, 0)]))
     return g, r, e, constant(k, r, contact / k)
 
 
@@ -320,7 +324,8 @@ def test_negative_moduli_let_the_error_grow():
 
 def test_the_square_of_a_parabola_is_bounded_by_the_absolute_values_of_lagrange_polynomials(rng):
     """By Gauss's rule on both halves, in which no polynomial changes its sign."""
-    norms, (x, w) = rng.random(3), gauss(3)
+    norms = rng.random(3)
+    x, w = gauss(3)
     x = np.concatenate([x, 1 + x]) / 2
     sizes = norms @ abs(np.array([(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)]))
     assert mean_square(norms) == pytest.approx(np.tile(w, 2) @ sizes**2 / 2)

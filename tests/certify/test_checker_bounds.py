@@ -20,7 +20,8 @@ from study.fem.quadrature import bernstein
 GRID = Q(1, 1 << checker.GRID)
 ROWS = [["4", "1", "1/2"], ["1", "3", "1/4"], ["1/2", "1/4", "2"]]
 UNIT = [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]]
-TRIANGLE, SLANTED = [[0, 0], [1, 0], [0, 1]], [[0, 0], [4, 0], [0, 3]]
+TRIANGLE = [[0, 0], [1, 0], [0, 1]]
+SLANTED = [[0, 0], [4, 0], [0, 3]]
 QUADRANGLE = [[0, 0], [2, 0], [Q(3, 2), 1], [0, Q(3, 2)]]
 MIXED = "clamped loaded contact clamped"
 
@@ -84,7 +85,8 @@ def test_the_start_vanishes_on_every_wall_in_both_components(start):
 
 # Constants of the body
 
-CORNER, SCALE = 1 << 102, 1 << 104
+CORNER = 1 << 102
+SCALE = 1 << 104
 NEAR = int(checker.root(Q(2)) / 16 * SCALE)
 """The least integer above 2^104 √2/16."""
 MU = Q(CORNER - NEAR, SCALE) - Q(CORNER, SCALE) ** 2
@@ -177,7 +179,8 @@ def test_the_force_on_a_cell_is_rounded_to_the_nearest_integers():
 
 
 K = Q(1, 2**12)
-BEGIN, END = Q(1, 4), Q(1, 4) + K
+BEGIN = Q(1, 4)
+END = Q(1, 4) + K
 
 
 @pytest.mark.parametrize(
@@ -207,7 +210,10 @@ def test_lengths_are_rounded_down():
 
 def test_a_load_that_is_taken_up_is_not_missed_and_every_coefficient_counts():
     """f_2 = (t² x, y) on a side of length 5, from its Bernstein coefficients; then one of these is moved."""
-    a, b, h, bits = Q(1, 2), Q(1), 2, 10
+    a = Q(1, 2)
+    b = Q(1)
+    h = 2
+    bits = 10
     loads = loads_on(SLANTED, h, bits, loads={"1": load([["1", 1, 0, 2]], [["1", 0, 1, 0]])})
     unit = 5 * h << bits
     exact = np.array([[[unit * t * 4 * Q(3 - p, 3), Q(unit * p)] for p in range(4)] for t in (a * a, a * b, b * b)])
@@ -260,7 +266,8 @@ def test_a_force_that_no_traction_balances_is_left(element):
 def test_the_losses_of_all_cells_are_made_up_for(element, monkeypatch):
     """Squares of 0.9 and 0.6 units of the grid, which are rounded down to 0 in both cells."""
     stresses = stresses_on(QUADRANGLE, MIXED, element, 1 << 20)
-    cells, scale = stresses.mesh.cells, Q(1 << 20, stresses.unit) ** 2
+    cells = stresses.mesh.cells
+    scale = Q(1 << 20, stresses.unit) ** 2
     square = int(Q(9, 10) * 12 * min(cell.det for cell in cells) ** 3 * GRID)
     monkeypatch.setattr(checker, "linear_square", lambda _: square)
     exact = sum(Q(2 * square, 24 * cell.det**3) for cell in cells) * scale
@@ -285,7 +292,8 @@ def test_pieces_are_those_of_the_quadratic_spline_of_the_bound(rng):
     nodes = rng.integers(-99, 99, (5, 3))
     splines = spline(zip(np.linspace(0, 2, 5), nodes, strict=True))
     for piece, wanted in zip(checker.pieces(nodes.tolist(), Q(2)), splines, strict=True):
-        assert (piece.a, piece.b) == (wanted.a, wanted.b)
+        assert piece.a == wanted.a
+        assert piece.b == wanted.b
         assert np.array_equal(np.array(piece.values) / 4, [wanted.start, wanted.control, wanted.end])
         first, _, last = np.array(piece.steps) / 4 / float(piece.b - piece.a)
         assert np.array_equal([first, last], [wanted.rate(end=False), wanted.rate(end=True)])
@@ -399,7 +407,8 @@ def energy(problem, mesh, coefficients, known=None):
     """∫ Aε·ε of a displacement of degree 2 by its Bernstein coefficients, less other strains ε_11, ε_22, 2ε_12."""
     plane = MeshTri(np.transpose(mesh.points) / mesh.h, np.transpose([cell.v for cell in mesh.cells]))
     assert plane.facets.T.tolist() == list(map(list, mesh.edges))
-    basis, nodal = Basis(plane, ElementVector(ElementTriP2())), np.reshape(coefficients, (-1, 2)).astype(float)
+    basis = Basis(plane, ElementVector(ElementTriP2()))
+    nodal = np.reshape(coefficients, (-1, 2)).astype(float)
     on_edges = nodal[len(mesh.points) :]
     on_edges += nodal[plane.facets].mean(axis=0)
     on_edges /= 2
@@ -420,7 +429,9 @@ def test_distances_are_integrals_rounded_outward(name):
     if "few" in name:
         data["computed"] = [[round(64 * x) / 64 for x in row] for row in data["computed"]]
     certificate = checker.Certificate(data)
-    mesh, piece, n = certificate.mesh, piece_of(certificate), len(data["computed"]) // 3
+    mesh = certificate.mesh
+    piece = piece_of(certificate)
+    n = len(data["computed"]) // 3
     time = Q(4 * n + 1, 4 * (len(data["computed"]) - 1))
     u = np.array([0.75, 0.25]) @ data["computed"][n : n + 2]
     coarse = Mesh.of(data["mesh"], certificate.problem)
@@ -443,7 +454,9 @@ def test_the_distance_of_the_start_is_an_integral_rounded_up(monkeypatch):
     certificate = object.__new__(checker.Certificate)
     problem, mesh = posed(QUADRANGLE, "loaded loaded clamped loaded", 2, loads={}, A=ROWS)
     problem.start = [checker.polynomial(p) for p in ([["1", 2, 1], ["3", 0, 1]], [["2", 1, 1], ["-1", 0, 2]])]
-    certificate.problem, certificate.mesh, certificate.bits = problem, mesh, 4
+    certificate.problem = problem
+    certificate.mesh = mesh
+    certificate.bits = 4
     certificate.nodes = [[n * n % 13 for n in range(2 * mesh.nodes)]]
 
     def strain(x, y):
@@ -461,7 +474,8 @@ def test_the_distance_of_the_start_is_an_integral_rounded_up(monkeypatch):
 def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_not_negative(rng):
     """∫∫ σ̃_ν ũ_ν on a slanted foundation, by Gauss's rule."""
     wedge = checker.Certificate(checker.load(CERTIFICATES / "wedge-4.json.gz"))
-    edges, mesh = wedge.stresses.contact, wedge.mesh
+    edges = wedge.stresses.contact
+    mesh = wedge.mesh
     x, y = mesh.along(edges[0])
     depths, slides = rng.integers(0, 2**20, (2, 3, mesh.nodes, 1))
     values = slides * [x, y] - depths * [y, -x]
@@ -482,7 +496,8 @@ def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_no
 @pytest.mark.parametrize("name", ["f_0 that is not balanced", "f_0 that is not taken up", "f_2"])
 def test_loads_that_are_missed_are_added_with_their_constant(name, certificate, monkeypatch):
     """The load t on a body of area 1 or a side of length 1 is added, which the stresses in the file do not balance."""
-    one, problem = checker.Certificate(certificate), certificate["problem"]
+    one = checker.Certificate(certificate)
+    problem = certificate["problem"]
     pieces = [(p.a, p.b) for p in checker.pieces(one.nodes, one.problem.T)]
     if name == "f_2":
         problem["loads"]["1"][0].append([[["1", 0, 0, 1]], [], 0])
@@ -490,7 +505,8 @@ def test_loads_that_are_missed_are_added_with_their_constant(name, certificate, 
     else:
         problem["force"][0].append([[["1", 0, 0, 1]], [], 0])
         wanted = float(one.volume) * float(one.problem.T**2) / 2
-    other, found = checker.Certificate(certificate), []
+    other = checker.Certificate(certificate)
+    found = []
     for each in (one, other):
         each.growth = lambda y, k, M, contact, loads: (y + loads, Q(0))  # type: ignore[assignment,method-assign]
         found.append(float(each.check().last))
@@ -509,7 +525,9 @@ def test_an_interval_is_a_distance_more_or_less_a_bound(made, monkeypatch):
     for start, high in ((1, 7 + 2), (144, 12 + float(certificate._start()))):
         monkeypatch.setattr(certificate, "_distance", lambda *_, start=start: (Q(0), Q(start)))
         found = certificate.check()
-        assert (found.low, found.last, float(found.high)) == (4 - 1, 1, pytest.approx(high, rel=1e-14))
+        assert found.low == 4 - 1
+        assert found.last == 1
+        assert float(found.high) == pytest.approx(high, rel=1e-14)
 
 
 def test_a_bound_without_end_is_refused(made):

@@ -30,7 +30,8 @@ def test_numbers_are_rounded_to_the_neighbours_on_the_grid(x):
 
 def test_a_root_lies_between_neighbours_on_the_grid_and_roots_of_squares_are_found():
     for x in (Q(0), Q(9, 4), Q(2), Q(1, 3), Q(10**40, 7), Q(1, 3**60), Q(1, 2**300)):
-        low, high = checker.root(x, above=False), checker.root(x)
+        low = checker.root(x, above=False)
+        high = checker.root(x)
         assert low**2 <= x < high**2
         assert high - low == GRID
     with pytest.raises(RefusedError, match="a square is negative"):
@@ -88,9 +89,11 @@ def test_sums_products_images_and_slopes_of_polynomials_have_the_values_of_numbe
     def value(p, x, y, s):
         return sum(c * x**i * y**j * s**k for (i, j, k), c in p.items())
 
-    p, q = X * X * 3 - Y * S + ONE * 2, X * Y - S * Q(1, 2)
+    p = X * X * 3 - Y * S + ONE * 2
+    q = X * Y - S * Q(1, 2)
     x, y, s = place = Q(2, 3), Q(-5, 7), Q(11, 13)
-    a, b = 3 * x**2 - y * s + 2, x * y - s / 2
+    a = 3 * x**2 - y * s + 2
+    b = x * y - s / 2
     found = p, q, p + q, p - q, p * q, p.slope(0), (p * Y).slope(1), p(q), p(q, X), p(q, X, Y)
     numbers = [a, b, a + b, a - b, a * b, 6 * x, a - y * s]
     assert [value(r, *place) for r in found] == numbers + [value(p, b, *rest) for rest in ((y, s), (x, s), (x, y))]

@@ -49,7 +49,9 @@ def refused(content, tmp_path, capsys):
     path.write_bytes(content)
     code, out, error = checked(path, capsys)
     head, sentence = out.removesuffix("\n").split(": REFUSED: ")
-    assert (code, error, head) == (1, "", str(path))
+    assert code == 1
+    assert error == ""
+    assert head == str(path)
     return safe(sentence)
 
 
@@ -297,7 +299,8 @@ def test_what_is_no_file_is_named(tmp_path, capsys):
     os.mkfifo(fifo)
     for path in (tmp_path, tmp_path / "absent", fifo, Path("/dev/zero"), tmp_path / ("x" * 300), Path(f"{BAD}.gz")):
         code, out, error = checked(path, capsys)
-        assert (code, out) == (2, "")
+        assert code == 2
+        assert out == ""
         assert re.fullmatch(r"[\x20-\x7e]+ is not a file\nusage: [\x20-\x7e]+\n", error)
     assert checker.main([str(EXAMPLE), "\0"]) == 2
     assert "'\\x00' is not a file" in capsys.readouterr().err

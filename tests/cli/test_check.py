@@ -78,7 +78,9 @@ def refusal(told):
     return lambda directory, code=2: told(f"check --out {directory}", code)
 
 
-RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
+RATES = "rates.csv"
+CASES = "cases.csv"
+EQUIVALENCE = "equivalence.csv"
 
 
 def cell(name, column, change, said, where="index >= 0", rows=10**6):

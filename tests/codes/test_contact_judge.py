@@ -25,7 +25,8 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment
 from study.statements.shared.tasks import FROZEN_TIMES
 
-LEVELS, TIMES = (4, 8, 16), (0.15, 0.55)
+LEVELS = 4, 8, 16
+TIMES = 0.15, 0.55
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,8 @@ def tasks():
 
 def test_tasks_read_back_give_our_own_errors(tasks):
     for one, n in zip(tasks, LEVELS, strict=True):
-        mine, references = task("advance-recede", n), np.array([data["reference"] for data in one.data["judge"]])
+        mine = task("advance-recede", n)
+        references = np.array([data["reference"] for data in one.data["judge"]])
         errors = [mine.v_norm.distance(mine.v_norm.sample(t), mine.static(t)) for t in TIMES]
         assert judge.measure(one, references).error == pytest.approx(max(errors), rel=1e-12)
         for t, data in zip(TIMES, one.data["judge"], strict=True):
@@ -130,7 +132,8 @@ def test_what_grows_from_nothing_or_stays_stagnates(shares, pressure, verdict):
 
 def test_a_pressure_that_falls_as_that_of_k_h_does_is_no_reason_to_stagnate():
     """Advance-recede on shaken meshes with n = 16, 32, 64: the last order of the solution in K^h itself is 0.44."""
-    h, best = [1.0, 0.5, 0.25], [0.01772, 0.006998, 0.005141]
+    h = [1.0, 0.5, 0.25]
+    best = [0.01772, 0.006998, 0.005141]
     assert np.log2(best[1] / best[2]) < judge.PRESSURE_FALLS
     for p, verdict in (([2 * one for one in best], "consistent"), ([0.04, 0.02, 0.018], "stagnates")):
         rows = zip(h, p, best, strict=True)
@@ -205,7 +208,9 @@ def test_each_load_scale_has_its_own_class_and_its_line_names_it():
     both = [exported("advance-recede", times=(0.55,), scale=scale) for scale in (1.0, 10.0)]
     found = {task.name: (task.scale == 1) * judge.answer(task, ours.make) for task in both}
     one, ten = judge.assess(both, found)
-    assert (one.verdict, ten.verdict, ten.name) == ("exact for P1", "wrong", "advance-recede × 10")
+    assert one.verdict == "exact for P1"
+    assert ten.verdict == "wrong"
+    assert ten.name == "advance-recede × 10"
     assert "advance-recede × 10  " in judge.table([one, ten])
     with pytest.raises(judge.TaskError, match="has the case and the level of another task"):
         judge.assess([both[0], both[0]], found)
@@ -215,7 +220,8 @@ def test_each_load_scale_has_its_own_class_and_its_line_names_it():
 def test_the_foundation_lies_under_the_face_and_covers_it(case):
     data = with_foundation(at_one_time(case, 8), 5)
     for piece, slab in zip(data["contact"], data["foundation"], strict=True):
-        face, points = data["vertices"][np.unique(piece["facets"])], slab["vertices"]
+        face = data["vertices"][np.unique(piece["facets"])]
+        points = slab["vertices"]
         assert ((points - face[0]) @ piece["normal"]).min() == pytest.approx(0, abs=1e-12)
         corners = points[slab["cells"]]
         assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
@@ -225,7 +231,8 @@ def test_the_foundation_lies_under_the_face_and_covers_it(case):
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 def test_a_task_has_the_gap_in_the_units_of_its_loads(scale):
     data = at_one_time("parabolic-gap", scale=scale)
-    (piece,), (again,) = data["contact"], read(data).scaled(3).gaps()
+    (piece,) = data["contact"]
+    (again,) = read(data).scaled(3).gaps()
     x = np.array(data["vertices"])[piece["vertices"], 0]
     assert [piece["gap"], again / 3] == [pytest.approx(scale * 6 * (x - 0.4) ** 2)] * 2
     assert "gap" not in at_one_time("full-contact")["contact"][0]
@@ -314,10 +321,12 @@ def test_tasks_for_two_levels_are_small_enough_to_commit(tmp_path):
 @pytest.mark.parametrize(("suffix", "pack"), [(".xz", lzma.compress), (".gz", gzip.compress), ("", bytes)])
 def test_a_task_is_read_whatever_it_is_packed_by(suffix, pack, tmp_path):
     data = exported("advance-recede", 4, times=(0.55,)).data
-    packed, path = pack(json.dumps(data).encode()), tmp_path / f"one.json{suffix}"
+    packed = pack(json.dumps(data).encode())
+    path = tmp_path / f"one.json{suffix}"
     path.write_bytes(packed)
     (found,) = judge.read_tasks(tmp_path)
-    assert (found.name, found.data) == ("one", data)
+    assert found.name == "one"
+    assert found.data == data
     path.write_bytes(packed[:-20])
     with pytest.raises(judge.TaskError, match=r"one\.json"):
         judge.read_tasks(tmp_path)
@@ -349,7 +358,9 @@ def test_a_march_can_be_done_from_unpacked_files_alone(tmp_path):
     def of(name):
         return np.loadtxt(tmp_path / one.name / f"{name}.txt", ndmin=2)
 
-    k, u, step = float(of("step")[0, 0]), of("start"), ours.make(one)
+    k = float(of("step")[0, 0])
+    u = of("start")
+    step = ours.make(one)
     A, G = (of(name).reshape(-1, 3, 3) for name in "AG")
     assert np.allclose(of("stiffness").reshape(-1, 3, 3), A / k + G / 2, rtol=1e-14)
     for n in range(one.count):

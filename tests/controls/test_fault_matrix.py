@@ -69,7 +69,8 @@ def test_friction_obeys_coulombs_law_at_every_vertex(mu):
     """|λ_τ| ≤ μ λ_ν; where it is less, nothing slides; and λ_τ opposes the sliding."""
     setup = experiment("corner", 8)
     solved = friction(setup, mu).solved
-    S, load = setup.problem.M, setup.problem.load(0.5)
+    S = setup.problem.M
+    load = setup.problem.load(0.5)
     solver = solved.solver(S, setup.problem.N)
     u, pressure = solver(load)
     T, rows_of_N = tangents(setup.space, 1)

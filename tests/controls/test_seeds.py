@@ -50,13 +50,17 @@ def test_the_interval_has_the_tails_that_clopper_and_pearson_ask_for():
 )
 def test_the_count_of_seeds_alone_decides(red, quiet, verdict):
     alarms = FalseAlarms(after([3] * red + [0] * quiet))
-    assert (alarms.seeds, alarms.red, alarms.verdict) == (red + quiet, red, verdict)
+    assert alarms.seeds == red + quiet
+    assert alarms.red == red
+    assert alarms.verdict == verdict
 
 
 def test_seeds_judged_by_other_rules_count_for_nothing():
     """Else a window could be widened, or a check removed, until the seeds that were drawn before are quiet."""
     alarms = FalseAlarms(after([0, 0, 1], "r2", after([2, 0])))
-    assert (alarms.seeds, alarms.red, alarms.checks) == (3, 1, 2)
+    assert alarms.seeds == 3
+    assert alarms.red == 1
+    assert alarms.checks == 2
 
 
 def test_a_seed_that_is_begun_is_in_the_record_and_counts_for_nothing(tmp_path):
@@ -178,7 +182,8 @@ def test_an_interrupted_run_loses_nothing(tmp_path):
     assert finished[0].stat().st_mtime_ns == written
     seeds_of(tmp_path, "--seeds 1")
     (row,) = SeedRecord.read(tmp_path).rows
-    assert (row.seed, row.judged > 0) == (begun.seed, True)
+    assert row.seed == begun.seed
+    assert row.judged > 0
 
 
 @pytest.mark.usefixtures("quick")

@@ -43,7 +43,8 @@ def test_modes_sum_to_the_strain_its_rate_and_the_force(name, rng):
     assert close(summed(fields.modes(), times, False), strain, 1e-13)
     assert close(summed(fields.modes(), times, True), rate, 1e-13)
     if name in NAMES and isinstance(solution.law.G, Linear):
-        modes, force = fields.force_modes(), np.moveaxis(fields.body_force(times), -1, 0)
+        modes = fields.force_modes()
+        force = np.moveaxis(fields.body_force(times), -1, 0)
         found = summed(modes.viscous, times, True) + summed(modes.elastic, times, False)
         assert abs(found - force).max() <= 1e-12 * max(abs(force).max(), abs(stress).max())
 
@@ -66,10 +67,13 @@ def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
     space = space_on(solution.body, 8 if solution.body.dim == 2 else 4, family)
-    v_norm, time = ErrorNorm(solution, space), 0.61 * solution.body.T
-    sample, square = v_norm.sample(time), 0.0
+    v_norm = ErrorNorm(solution, space)
+    time = 0.61 * solution.body.T
+    sample = v_norm.sample(time)
+    square = 0.0
     of_interpolant = space.strain(sample.interpolant)
-    integrals, nodal = np.zeros_like(of_interpolant), np.zeros_like(space.mesh.p)
+    integrals = np.zeros_like(of_interpolant)
+    nodal = np.zeros_like(space.mesh.p)
     for rule in rules(solution, space.mesh, v_norm.degree, aligned=True):
         fields = solution.at(rule.points)
         apart = fields.strain(time) - of_interpolant[:, rule.cells, None]

@@ -72,7 +72,8 @@ def test_displacements_of_degree_2_have_the_values_strains_and_energies_of_sciki
     space = Unclamped(plain.mesh, plain.body)
     basis = Basis(space.mesh, ElementVector(ElementTriP2()))
     nodal = rng.normal(size=basis.N)
-    u, at_vertices = basis.interpolate(nodal), nodal[basis.nodal_dofs]
+    u = basis.interpolate(nodal)
+    at_vertices = nodal[basis.nodal_dofs]
     # The coefficient of an edge follows from the values at its ends and its midpoint.
     on_edges = 2 * nodal[basis.facet_dofs] - at_vertices[:, space.mesh.facets].mean(axis=1)
     v = np.hstack([at_vertices, on_edges]).T.ravel()

@@ -138,7 +138,8 @@ def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_o
 
 
 CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
-MESH, SOLID_MESH = OneDiagonal()(unit_square(), 4), OneDiagonal()(box(), 2)
+MESH = OneDiagonal()(unit_square(), 4)
+SOLID_MESH = OneDiagonal()(box(), 2)
 # The diagonals of the cells do not end where this face is cut.
 CUT = split_bottom(face(CONTACT, O, Y, X), face(LOADED, X, Y, XY))
 
@@ -192,9 +193,11 @@ def test_families_serve_the_bodies_that_they_can_mesh():
 
 def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere():
     """The cells at c have diameters of the order n^{-5/2}, the others of the order 1/n."""
-    nearest, largest = [], []
+    nearest = []
+    largest = []
     for n in (16, 32, 64):
-        mesh, plain = Graded()(GRADED, n), Unstructured()(GRADED, n)
+        mesh = Graded()(GRADED, n)
+        plain = Unstructured()(GRADED, n)
         nearest.append(np.sort(np.linalg.norm(mesh.p - 1, axis=0))[1])
         largest.append(np.sqrt(cell_volumes(mesh).max()))
         far = [np.linalg.norm(plain.p.T - c, axis=1) >= Graded().radius(GRADED, c) for c in GRADED.refine]
@@ -237,7 +240,8 @@ def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces():
 @pytest.mark.parametrize("exponent", [-0.5, 0.0, 0.5, 2.0])
 def test_split_cells_integrate_powers_of_the_distance_to_a_line(direction, exponent):
     """∫ (s − c)_+^e (1 + r) over the unit square, turned so that s is the coordinate across the line, r along it."""
-    plain, line = Shaken()(unit_square(), 6), Line(direction, 1 / 3)
+    plain = Shaken()(unit_square(), 6)
+    line = Line(direction, 1 / 3)
     turned = np.array([direction, line.tangent])
     total = area = 0.0
     for rule in cell_rules(MeshTri(turned.T @ plain.p, plain.t), 6, (line,)):
@@ -269,11 +273,13 @@ def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(expone
 
 @pytest.mark.parametrize(("family", "body"), [*((f, TURNED) for f in FOR_SQUARES), (Shaken(), skewed())])
 def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body, rng):
-    mu, lam = 1.3, 0.7
+    mu = 1.3
+    lam = 0.7
     space = space_on(body, 5 if body.dim == 2 else 3, family)
     basis = Basis(space.mesh, ElementVector(ElementTriP1() if body.dim == 2 else ElementTetP1()))
     expected = linear_elasticity(lam, mu).assemble(basis)[space.free][:, space.free]
-    C, v = isotropic(mu, lam, body.dim).matrix, rng.standard_normal(space.dofs)
+    C = isotropic(mu, lam, body.dim).matrix
+    v = rng.standard_normal(space.dofs)
     assert close(space.form(C), expected, 1e-12)
     assert close(space.functional(C @ space.strain(v)), expected @ v, 1e-12)
 
@@ -323,7 +329,8 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)])
 def test_vertices_are_moved_evenly_up_to_the_amplitude(body, n):
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
-    plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
+    plain = OneDiagonal()(body, n).p
+    shaken = Shaken()(body, n).p
     inside = ((plain > 0) & (plain < 1)).all(axis=0)
     moved = (shaken - plain)[:, inside] * n / (Shaken().amplitude * 2 / body.dim)
     assert abs(moved).max(axis=1) == pytest.approx(1, abs=0.02)

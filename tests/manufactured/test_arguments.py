@@ -61,11 +61,16 @@ from manufactured.multiscale import FadingFace, rollers
 from manufactured.profile import Piecewise
 
 CASE = named("full-contact")
-BODY, LAW, (FACE,) = CASE.solution.body, CASE.solution.law, CASE.solution.faces
-ROUND, STEP, SIDE = Piecewise((1.0,), (HERMITE,)), ((1.0, 0.0), 0.5), ((0.0, 0.5), (1.0, 0.5))
+BODY = CASE.solution.body
+LAW = CASE.solution.law
+(FACE,) = CASE.solution.faces
+ROUND = Piecewise((1.0,), (HERMITE,))
+STEP = (1.0, 0.0), 0.5
+SIDE = (0.0, 0.5), (1.0, 0.5)
 MATRIX = np.array([[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 2.0]])
 HALF = sp.Rational(1, 2)
-LINEAR, BALL = Linear(MATRIX), FrobeniusBall(1.0)
+LINEAR = Linear(MATRIX)
+BALL = FrobeniusBall(1.0)
 FIELD = SingularField((0.0, 0.0), FACE.part.frame, *kolosov(2.0, 1j, -0.5j, 1.5), t, depth=ROUND)
 PLAIN = Data.formulas(BODY, LAW, (0, 0))
 

@@ -36,8 +36,10 @@ from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import family_named, resolve_data
 from study.ledger.files import UsageError
 
-SQUARE, LAW = unit_square(), not_proportional()
-RIGHT, LEFT = 1, 3
+SQUARE = unit_square()
+LAW = not_proportional()
+RIGHT = 1
+LEFT = 3
 X = np.array([[0.0, 0.0], [0.2, 0.8]])
 
 
@@ -47,7 +49,8 @@ def data(f0=(0, 0), **others):
 
 def test_symbols_of_the_same_name_are_the_coordinates():
     """A derivative of x2² in another symbol that is called x2 would be 0."""
-    expected, y = data((x1, x2 * t), u0=(0, x2 * (1 - x2))), Symbol("x2")
+    expected = data((x1, x2 * t), u0=(0, x2 * (1 - x2)))
+    y = Symbol("x2")
     symbols = data((Symbol("x1"), y * Symbol("t")), u0=(0, y * (1 - y)))
     assert symbols.formulas_of == expected.formulas_of
     assert np.array_equal(symbols.initial(X), expected.initial(X))
@@ -148,7 +151,8 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path):
         *((f"{mine}:", name, name == "corner") for name in ("press", "made", "corner")),
     ):
         found_name, found, case = resolve_data(path + name)
-        assert (found_name, type(found)) == (name, Data)
+        assert found_name == name
+        assert type(found) is Data
         assert (case is not None and found.formulas_of is case.solution and case.name == name) == known
 
 

@@ -63,8 +63,11 @@ def slipping(stress):
 
 
 SLIP = t * (1 + t) * sin(2 * s + 1)
-C, SHIFT, EARLY = Rational(1, 4) + 2 * t * (1 - t), Rational(1, 50), Rational(3, 10)
-GAP, PRESSURE = 20 * pos(s - C, 4), 20 * pos(C - s, 2)
+C = Rational(1, 4) + 2 * t * (1 - t)
+SHIFT = Rational(1, 50)
+EARLY = Rational(3, 10)
+GAP = 20 * pos(s - C, 4)
+PRESSURE = 20 * pos(C - s, 2)
 """Gap and pressure of advance-recede, whose front is C."""
 HALF = Rational(1, 2)
 
@@ -134,7 +137,8 @@ eighths = st.integers(13, 40).map(lambda n: Rational(n, 8))
 def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m, other, moving):
     c = Rational(1, 3) + (t / 4 if moving else 0)
     m = m if not moving else Integer(int(m) + 1)  # whose memory is known in closed form
-    gap, pressure = (1 + t) * pos(s - c, alpha) / (1 + s), (1 + s) * pos(c - s, m)
+    gap = (1 + t) * pos(s - c, alpha) / (1 + s)
+    pressure = (1 + s) * pos(c - s, m)
     right = Regularity(float(alpha), float(m), moving)
     assert labelled(gap, right, pressure).regularity == right
     wrong = [replace(right, gap=float(other)), replace(right, pressure=float(other)), replace(right, moving=not moving)]
@@ -315,6 +319,7 @@ def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condit
 @pytest.mark.parametrize("defect", [math.nan, math.inf])
 def test_what_is_no_number_passes_nothing(defect):
     assert not Finding("(2.2)", defect, 1e-9, (0.0,), 0.0).passes
-    x, time = np.zeros((2, 2)), np.zeros(1)
+    x = np.zeros((2, 2))
+    time = np.zeros(1)
     for value, scale in ((defect, 1.0), (1e-8, defect)):
         assert not worst("(2.2)", x, time, np.array([[0.0, value]]), np.array([[scale, 1.0]])).passes

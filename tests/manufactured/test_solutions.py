@@ -75,9 +75,11 @@ def test_fields_at_many_times_are_those_at_each(name, rng):
     case = resolve(name)
     body = case.solution.body
     grid = np.round(8 * body.sample(rng, 200)) / 8 + 1e-3
-    fields, times = case.solution.at(grid[:, body.contains(grid)]), body.T * np.array([0.0, 0.31, 0.64, 1.0])
+    fields = case.solution.at(grid[:, body.contains(grid)])
+    times = body.T * np.array([0.0, 0.31, 0.64, 1.0])
     for of in (getattr(fields, quantity) for quantity in (FIELDS if name in VARIABLE_DEPTH else WITH_FORCES)):
-        each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
+        each = np.array([of(float(time)) for time in times])
+        together = np.moveaxis(of(times), -1, 0)
         assert_allclose(together, each, rtol=1e-12, atol=1e-12 * abs(each).max(), err_msg=of.__name__)
 
 
@@ -105,7 +107,9 @@ SLIP = {2: (t * (1 + t) * sin(2 * s + 1),), 3: (t * sin(s1 + 2 * s2), (1 + t**2)
 
 def with_slip(solution):
     """The solution for a linear law and one contact face, with the same gap and pressure and another slip."""
-    (face,), law, body = solution.faces, solution.law, solution.body
+    (face,) = solution.faces
+    law = solution.law
+    body = solution.body
     data = face.part, law, body.T, face.gap, face.strain.pressure, face.level
     return replace(solution, faces=(ContactFace.linear(*data, slip=SLIP[body.dim]),))
 
@@ -151,7 +155,8 @@ def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, b
 
 def test_a_lifting_without_a_kink_at_an_interface_is_refused():
     factor = layers((0.0, 1.0), 0.5, 4.0)
-    law, pressure = not_proportional(2, factor, factor), (3 + s) * (1 + t)
+    law = not_proportional(2, factor, factor)
+    pressure = (3 + s) * (1 + t)
     prove(on_floor(law, 0, pressure, profile=layered(0.5, 4.0)), "right")
     for profile in (layered(0.5, 3.0), cutoff(1.0)):
         with pytest.raises(SelfProofError, match="σν continuous on"):
@@ -219,7 +224,8 @@ def test_a_field_with_a_cut_off_of_the_distance_does_not_travel():
 def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name, rng):
     case = named(name)
     x = case.solution.body.sample(rng, 5)
-    found, fields = evaluate(case, x, 0.4), case.solution.at(x)
+    found = evaluate(case, x, 0.4)
+    fields = case.solution.at(x)
     assert mandel(found.gradient) == pytest.approx(found.strain, abs=1e-11 * abs(found.gradient).max())
     for quantity in ("displacement", "velocity", "strain_rate", "stress", "body_force"):
         assert np.array_equal(getattr(found, quantity), getattr(fields, quantity)(0.4)), quantity
@@ -240,7 +246,8 @@ def test_a_point_outside_the_body_is_refused_also_at_a_re_entrant_corner(point):
 
 @pytest.mark.parametrize("time", [3, -0.1, 1 + 1e-6, np.nan])
 def test_a_time_outside_the_interval_is_refused_alone_and_among_others(time):
-    fields, on_face = BRACKET.at([[0.5], [0.5]]), BRACKET.on(BRACKET.faces[0], [[0.5]])
+    fields = BRACKET.at([[0.5], [0.5]])
+    on_face = BRACKET.on(BRACKET.faces[0], [[0.5]])
     fields.displacement(1 + 1e-12)
     for field in (fields.displacement, fields.stress, fields.body_force, on_face.gap, on_face.pressure):
         for given in (time, np.array([0.5, time])):
@@ -272,7 +279,8 @@ def alone(case, j):
     """One train on a body no deeper than its lifting: random points of the unit square would hardly ever meet it."""
     face = case.solution.faces[j]
     assert isinstance(face, StripFace)
-    length, depth = face.part.measure, face.profile.depth
+    length = face.part.measure
+    depth = face.profile.depth
     corners = [(0.0, 0.0), (length, 0.0), (length, depth), (0.0, depth)]
     body = polygon(corners, [CONTACT, LOADED, CLAMPED, LOADED])
     return ExactSolution(body, case.solution.law, (replace(face, part=body.of(CONTACT)[0]),))

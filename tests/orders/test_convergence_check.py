@@ -16,7 +16,8 @@ from places import ROOT
 
 TUTORIAL = (ROOT / "docs/how-to/convergence-orders.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^```\{code-block\} \w+\n:caption: (\S+)\n\n(.*?)^```$", TUTORIAL, re.DOTALL | re.MULTILINE))
-RIGHT, WRONG = "f(x[1:-1])", "f(x[:-2])"
+RIGHT = "f(x[1:-1])"
+WRONG = "f(x[:-2])"
 
 
 @pytest.fixture
@@ -59,7 +60,8 @@ def test_the_tutorial_turns_red_when_its_solver_breaks(project):
     assert tests.returncode == 0, tests.stdout
     assert "max_error: holds: converges with order 2.00" in tests.stdout
     code, summary = judge(project)
-    assert (code, (project / "errors.csv").read_text()) == (0, FILES["errors.csv"])
+    assert code == 0
+    assert (project / "errors.csv").read_text() == FILES["errors.csv"]
     assert "| max_error | holds |" in summary
 
     solver = FILES["solver.py"]

@@ -17,8 +17,10 @@ SIZES |= {"dofs": "{dofs}", "level": "{level}"}
 
 def table(draw, orders):
     """A table with a series of errors of each order, one below the other, in a random form."""
-    levels, first = draw.randint(3, 6), draw.choice([4, 5, 10])
-    size, printed = draw.choice([*SIZES, ""]), draw.choice(["eoc", "eoc", "", "", ""])
+    levels = draw.randint(3, 6)
+    first = draw.choice([4, 5, 10])
+    size = draw.choice([*SIZES, ""])
+    printed = draw.choice(["eoc", "eoc", "", "", ""])
     label = draw.choice(["", "scheme", "degree", "k"]) if len(orders) > 1 else ""
     names = [name for name in (label, size, "L2", printed) if name]
     rows = [names]
@@ -43,12 +45,15 @@ SIGNS = ["", "x", "-", " ", "\0", "\u2212", "\x1b[31m"]
 def damage(draw, text):
     """The text with one random change of a line or a sign."""
     lines = text.split("\n")
-    i, j = draw.randrange(len(lines)), draw.randrange(len(lines))
-    line, header = lines[i], lines[0]
+    i = draw.randrange(len(lines))
+    j = draw.randrange(len(lines))
+    line = lines[i]
+    header = lines[0]
     k = draw.randrange(len(line) + 1)
     kind = draw.randrange(9)
     if kind == 0:
-        lines[i], lines[j] = lines[j], line
+        lines[i] = lines[j]
+        lines[j] = line
     elif kind == 1:
         lines[0] = draw.choice(["", "a b c", header.upper(), header.replace("L2", "error in time")])
     elif kind == 2:

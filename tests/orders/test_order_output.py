@@ -23,7 +23,10 @@ from study.bound.enclosing import order_interval
 
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
-GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08], [0, 0, 0, 0]
+GOOD = [1, 0.25, 0.0625, 0.015625]
+LOW = [1, 0.5, 0.25, 0.125]
+BENT = [1, 0.5, 0.3, 0.08]
+ZERO = [0, 0, 0, 0]
 SCHEMA = schema("rates")
 
 
@@ -56,7 +59,8 @@ CODES = {
 def test_exit_codes_are_ordered_2_1_3_0(command, tmp_path, told):
     """Options that contradict each other or have no meaning are errors of use, as those of ``study rates`` show."""
     names, _, options = command.partition(" ")
-    path, code = tmp_path / "t.csv", CODES[command]
+    path = tmp_path / "t.csv"
+    code = CODES[command]
     path.write_text(table(**{name: SERIES[name] for name in names.split(",")}))
     assert told(f"rates {path} {options}", code).startswith("study rates: ") == (code == 2)
 
@@ -97,7 +101,8 @@ def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, rates):
     assert {case.get("name"): [child.tag for child in case] for case in suite} == {
         "good": [], "|low|": ["failure"], "bent": ["failure"], "zero": ["skipped"],
     }  # fmt: skip
-    assert (suite.get("tests"), suite.get("failures")) == ("4", "2")
+    assert suite.get("tests") == "4"
+    assert suite.get("failures") == "2"
     lines = (tmp_path / "m.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 6
     assert lines[3].startswith(r"| \|low\| | fails | converges with order 1.00")
@@ -286,14 +291,16 @@ def test_the_order_of_values_is_found_for_every_ratio_of_meshes(p):
     for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3):
         for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
             found = grid_convergence(h, limit + factor * np.array(h) ** p)
-            assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))
+            assert found.kind == "monotone"
+            assert found.order == pytest.approx(p, rel=1e-4)
             assert found.extrapolated == pytest.approx(limit, rel=1e-6)
 
 
 @given(order=st.floats(0.1, 6), digits=st.integers(1, 6))
 def test_the_order_of_rounded_errors_is_known_as_an_interval_with_the_exact_order(order, digits):
     """An error with some decimals is known up to half a unit of the last one."""
-    h, unit = np.array([4.0, 2.0]), 10.0**-digits
+    h = np.array([4.0, 2.0])
+    unit = 10.0**-digits
     rounded = np.round(h**order, digits)
     low, high = order_interval(*np.transpose([rounded - unit / 2, rounded + unit / 2]), np.log(2))
     (found,) = consecutive_orders(h, rounded)

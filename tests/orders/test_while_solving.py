@@ -53,7 +53,8 @@ def test_refinement_ends_when_the_order_is_settled_or_the_budget_is_used(tail, b
         expected=2,
         **budget,
     )
-    assert ([result.verdict for result in results.values()], len(table)) == (verdicts, meshes)
+    assert [result.verdict for result in results.values()] == verdicts
+    assert len(table) == meshes
 
 
 COLUMNS = """,h,cells,L2,EOC,reduction,seconds,note,p

@@ -8,7 +8,8 @@ from tables import texts
 TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
 SMOOTH, ROUGH = CASES = ("advance-recede", "rough-1.75")
 """A case of Proposition 5.4 and one of Proposition 5.3."""
-CORNER, SOLID = ("corner", "cube-two-faces")
+CORNER = "corner"
+SOLID = "cube-two-faces"
 """A body in the plane and one in space, each with two contact faces."""
 LEDGER = """label,statement,case,quantity,expected,observed,low,high,verdict,key,family,kind,window_low,window_high
 Prop. 5.4,"‖u − u^h‖_{L∞(0,T;V)} = O(h)",advance-recede,"order, shaken, 32 → 64",1 ± 0.1,0.98765,0.95,1.02,holds,order,shaken,claim,0.9,1.1
@@ -26,7 +27,8 @@ def copy_results(directory, cases=CASES, pictures=(CORNER, SOLID)):
     (data / "pictures").mkdir(parents=True)
     for name in TABLES:
         # Pictures are drawn of the cases in cases.csv.
-        chosen, table = (*cases, *pictures) if name == "cases" else cases, texts(DATA / f"{name}.csv")
+        chosen = (*cases, *pictures) if name == "cases" else cases
+        table = texts(DATA / f"{name}.csv")
         table[table["case"].isin([*chosen, "all cases"])].to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
         shutil.copy(DATA / f"pictures/{case}.json.gz", data / "pictures")

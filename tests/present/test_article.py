@@ -150,8 +150,10 @@ def test_extremes_are_rounded_outwards_and_zero_is_zero(full, claims):
         copy(full), claims=claims.assign(high=1.1001), equivalence=full.equivalence.assign(membership=0)
     )
     values = macros(render("numbers.tex.j2", context(changed)))
-    assert (values["orderLevelMax"], values["agreeMembership"]) == ("1.11", "0")
-    assert (percent(0.01201), power(2.01e-7)) == (r"1.3\,\%", r"\(2.1\cdot 10^{-7}\)")
+    assert values["orderLevelMax"] == "1.11"
+    assert values["agreeMembership"] == "0"
+    assert percent(0.01201) == r"1.3\,\%"
+    assert power(2.01e-7) == r"\(2.1\cdot 10^{-7}\)"
 
 
 def test_an_order_of_the_source_that_is_wrong_by_one_would_fail(claims):

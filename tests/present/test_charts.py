@@ -39,7 +39,8 @@ def drawn(drawing):
 
 
 def test_every_value_is_drawn_within_its_axes_and_the_page_writes_words_as_text(rates):
-    drawing, columns = figure("convergence", rates, 1.0, case=SMOOTH), ["error", "discrete_error", "in_time"]
+    drawing = figure("convergence", rates, 1.0, case=SMOOTH)
+    columns = ["error", "discrete_error", "in_time"]
     (axes,) = drawn(drawing).axes
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     expected = [rows[["h", column]].to_numpy() for _, rows in rates.groupby("family") for column in columns]

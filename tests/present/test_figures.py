@@ -77,7 +77,8 @@ def cut_off_or_tiny(figure):
 @pytest.mark.parametrize("every", [False, slow(True)])
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every):
     with in_style():
-        narrowest, widest = column_width(), page_width()
+        narrowest = column_width()
+        widest = page_width()
     for name in figures if every else ("collapsed", f"zone-{CORNER}"):
         figure = drawn(figures[name])
         assert narrowest <= figure.get_figwidth() <= widest, name
@@ -94,7 +95,8 @@ def test_every_caption_says_what_to_see_with_numbers(figures):
 @pytest.mark.filterwarnings("error::UserWarning", "ignore::DeprecationWarning")
 @pytest.mark.parametrize("level", [-1.0, slow(1.0)])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured, level):
-    solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
+    solid = read_pictures(measured)[-1]
+    pressure = max(level, 0.0)
     given = {"level": level, "pressure": pressure, "pressure_exact": pressure, "gap": 0.0, "gap_exact": 0.0}
     values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
     faces = [replace(face, **values) for face in solid.faces]
@@ -213,7 +215,8 @@ def face(pictures):
 
 
 def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the_face_are_no_fronts(face):
-    zone, s = [[], [(0.2, 0.6)], [(0.0, 0.3), (0.7, 1.0)]], np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.0])
+    zone = [[], [(0.2, 0.6)], [(0.0, 0.3), (0.7, 1.0)]]
+    s = np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.0])
     empty, middle, ends = face.depth(zone, s)
     assert (empty == -np.inf).all()
     assert middle == pytest.approx([-0.2, -0.1, 0.05, 0.1, -0.2, -0.4])

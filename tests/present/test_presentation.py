@@ -83,11 +83,13 @@ def test_unicode_becomes_mathematics(text, latex):
 
 
 def test_the_rate_text_has_one_line_per_case_and_family(tables):
-    lines, rates = rates_text(tables).splitlines(), read_rates(tables)
+    lines = rates_text(tables).splitlines()
+    rates = read_rates(tables)
     assert len([line for line in lines if line.startswith(CASES)]) == len(rates.groupby(["case", "family"]))
     (line,) = (line for line in lines if line.startswith(SMOOTH) and "shaken" in line)
     series = rates.query("case == @SMOOTH and family == 'shaken'")
-    finest, (*_, before, last) = series.iloc[-1], series["order"]
+    finest = series.iloc[-1]
+    *_, before, last = series["order"]
     assert f"{finest['level']}  {finest['error']:#.4g}  {finest['discrete_order']:.2f}" in re.sub(" +", "  ", line)
     assert re.search(rf" 1 .*{before:.2f} {last:.2f}$", line), "the predicted order, then observed ones"
 

@@ -23,7 +23,8 @@ from study.run.plan import full
 from study.run.provenance import read_provenance, sources
 from study.statements.pictures import Pictures
 
-PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
+PLANE = ["advance-recede", "corner"]
+SOLID = "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
 
 

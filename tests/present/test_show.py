@@ -38,7 +38,9 @@ def picture_of(motion):
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory):
     """A case on a coarse mesh with few steps, where there is no ffmpeg any more."""
-    directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
+    directory = tmp_path_factory.mktemp("shows")
+    case = resolve(CASE)
+    notified = []
     (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.cli.present.PICTURE_STEPS", 8)
@@ -65,7 +67,8 @@ def test_the_collection_lists_every_file_with_its_time(shown):
 
 
 def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown, motion):
-    frame, space = motion.frames[-1], motion.space
+    frame = motion.frames[-1]
+    space = motion.space
     read = meshio.read(shown[0] / f"vtk/{CASE}-004.vtu")
     np.testing.assert_array_equal(read.cells_dict["triangle"], space.mesh.t.T)
     assert_allclose(read.points, np.pad(space.mesh.p.T, ((0, 0), (0, 1))))
@@ -103,7 +106,8 @@ def test_the_animation_has_a_frame_for_every_time_and_moves(shown):
 
 
 def test_the_shapes_of_an_animation_are_those_of_the_motion(motion):
-    shown, frames = picture_of(motion), motion.frames[::SHOWN_EVERY]
+    shown = picture_of(motion)
+    frames = motion.frames[::SHOWN_EVERY]
     assert shown.times.tolist() == [frame.time for frame in frames]
     for found, expected in (
         (shown.displacement, [motion.space.nodal(frame.u) for frame in frames]),
@@ -166,9 +170,11 @@ def test_a_problem_is_drawn_as_it_is_stated(tmp_path, monkeypatch):
     assert {"0", "1", "2", "3", "$f_0$: 7", "5"} <= {text.get_text() for text in axes.texts}
     arrows = [text for text in axes.texts if isinstance(text, Annotation)]
     ends = np.array([(arrow.xyann, arrow.xy) for arrow in arrows])
-    pulling, pushing = ends[ends[:, 0, 0] == 2], ends[np.isclose(ends[:, 1, 1], 1)]
+    pulling = ends[ends[:, 0, 0] == 2]
+    pushing = ends[np.isclose(ends[:, 1, 1], 1)]
     assert len(pulling) == len(pushing) == 7
-    pulled, pushed = pulling[:, 1, 0] - 2, pushing[:, 0, 1] - 1
+    pulled = pulling[:, 1, 0] - 2
+    pushed = pushing[:, 0, 1] - 1
     assert min(*pulled, *pushed) > 0
     assert max(pulled) / max(pushed) == pytest.approx(3 / 5)
     labels = [text.get_text() for text in figures[0].legends[0].get_texts()]

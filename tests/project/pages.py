@@ -63,7 +63,8 @@ class Page:
 
     def printed(self, by):
         """What the page says that its Python, or its shell, prints: blocks of text after one of these."""
-        found, last = [], ""
+        found = []
+        last = ""
         for language, name, text in self.blocks:
             if language == "text" and last == by:
                 found.append(text)

@@ -162,7 +162,8 @@ def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_
         "study/fem per line": 3,
         "tests per line": 1,
     }
-    limits, compare = tmp_path / "limits.toml", module["compare"]
+    limits = tmp_path / "limits.toml"
+    compare = module["compare"]
     limits.write_text("".join(f'"{name}" = {weight + 1:g}  # a goal\n' for name, weight in weights.items()))
     for heavier, code in ((weights, 0), (weights | {"tests": 1.1}, 1)):
         assert compare(heavier, limits, record=True) == code

@@ -62,7 +62,8 @@ def run(tmp_path_factory):
         # Pages have files of the same name.
         for known in (resolve, resolve_data, resolve_problem):
             known.cache_clear()
-        output, before = io.StringIO(), set(sys.modules)
+        output = io.StringIO()
+        before = set(sys.modules)
         with pytest.MonkeyPatch.context() as patch, redirect_stdout(output), warnings.catch_warnings():
             warnings.simplefilter("default")
             patch.chdir(directory(page))
@@ -176,7 +177,8 @@ def test_the_notebooks_are_stored_with_outputs_and_figures_in_less_than_300_kB()
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_prints_what_is_stored_and_draws_a_figure(path):
-    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    nbformat = pytest.importorskip("nbformat")
+    nbclient = pytest.importorskip("nbclient")
     stored = nbformat.read(path, as_version=4)
     run = nbclient.NotebookClient(nbformat.read(path, as_version=4), timeout=300).execute()
     assert printed(run) == printed(stored), "run: .venv/bin/jupyter execute --inplace docs/notebooks/*.ipynb"

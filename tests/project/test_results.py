@@ -76,7 +76,8 @@ WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part"
 @pytest.mark.parametrize("case", slow_except(WITH_SEVERAL_LAWS, EQUIVALENCE["case"].unique()))
 def test_both_formulations_agree_again(case):
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
-    statement, place = SameMesh(), Setting(case, committed["family"], int(committed["level"]))
+    statement = SameMesh()
+    place = Setting(case, committed["family"], int(committed["level"]))
     ((_, row),) = statement.records(place, statement.run(place))
     assert row["steps"] == committed["steps"]
     assert row["h"] == pytest.approx(committed["h"])

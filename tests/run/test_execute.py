@@ -67,7 +67,8 @@ def pool(executor, workers=2, together=64 * GIB):
 
 def computed(scope, directory, jobs_of):
     """The data files of a study by their names."""
-    plan, store = Plan.of(scope), Store(directory)
+    plan = Plan.of(scope)
+    store = Store(directory)
     execute(plan.jobs, store, jobs_of, ignore)
     collect(plan, store)
     return {str(path.relative_to(directory)): content for path, content in everything(directory).items()}
@@ -135,10 +136,14 @@ def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_reference
     assert job.made() is None
 
 
-LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
+LARGE = Toy("large", 9, 6)
+LARGER = Toy("larger", 8, 7)
+SMALL = Toy("small", 7, 3)
+TINY = Toy("tiny", 1, 1)
 
 
-HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
+HEX = replace(SMALL, case="hexagon")
+DISC = replace(TINY, case="cube-disc")
 
 
 TAKEN = {
@@ -173,7 +178,8 @@ def test_jobs_that_are_killed_run_again_after_all_others_one_at_a_time(store):
 
     jobs = [LARGE, LARGER, SMALL, TINY]
     execute(jobs, store, pool(Fragile(), together=100), ignore)
-    first, again = [job for job, _ in begun[:4]], [job for job, _ in begun[4:]]
+    first = [job for job, _ in begun[:4]]
+    again = [job for job, _ in begun[4:]]
     assert first == jobs
     assert sorted(again, key=lambda job: job.name) == [LARGE, LARGER]
 
@@ -291,7 +297,8 @@ def test_a_run_ends_when_its_executor(cancels, monkeypatch, store):
 
 
 def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(store):
-    jobs, executor = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)], AtOnce()
+    jobs = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)]
+    executor = AtOnce()
     with pytest.raises(UsageError, match=r"^rates__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
         execute(jobs, store, pool(executor, together=20 * GIB), ignore)
     assert executor.order == []
@@ -567,7 +574,8 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
             told = str(error)
     finished = results(tmp_path)
     if victim == "one worker":
-        assert (told, len(finished)) == ("", len(jobs))
+        assert told == ""
+        assert len(finished) == len(jobs)
     else:
         assert time.monotonic() - killed[0] < 30
         assert re.search(rf"{address} no longer answers.*the same command", told)
@@ -626,7 +634,8 @@ def gone(process):
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_workers_and_runs_change_no_byte_of_what_is_written_in_the_end(seed, undisturbed, tmp_path):
     """Nothing of the run may live on when it is killed, and what was finished is not done again."""
-    total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)
+    total = sum("jobs" in name for name in undisturbed)
+    moment = random.Random(seed)
     kept = {}
     for victim in ("worker", "run", "run"):
         run = started(tmp_path)

@@ -48,7 +48,9 @@ def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case):
 @pytest.mark.parametrize("case", SOLIDS)
 def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(case):
     motion, picture = solved(case)
-    space, frames, start = motion.space, motion.frames[::2], 0
+    space = motion.space
+    frames = motion.frames[::2]
+    start = 0
     weights = pictures.contact_weights(space)
     for face, (part, vertices) in zip(picture.polygons, space.contact, strict=True):
         shown = picture.vertices[:, face.nodes]

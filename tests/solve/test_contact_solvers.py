@@ -41,10 +41,12 @@ def require_optimal(S, N, b, solution, rest, exact=None, gap=0.0):
 
     For a positive definite S these conditions have one solution (u, λ), if the rows of N are linearly independent.
     """
-    (u, multipliers), exact = solution, rest if exact is None else exact
+    u, multipliers = solution
+    exact = rest if exact is None else exact
     open_by = gap - N @ u
     # If all unknowns are held at their bounds, u is zero up to rounding, so its size is not taken from u alone.
-    size, force = max(abs(u).max(), abs(b).max() / abs(S).max()), abs(multipliers).max(initial=0.0)
+    size = max(abs(u).max(), abs(b).max() / abs(S).max())
+    force = abs(multipliers).max(initial=0.0)
     assert np.linalg.norm(S @ u + N.T @ multipliers - b) <= rest * np.linalg.norm(b)
     assert open_by.min(initial=0.0) >= -exact * size
     assert multipliers.min(initial=0.0) >= 0
@@ -76,7 +78,8 @@ def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch):
     """Being definite is not enough (F. E. Curtis, Z. Han, D. P. Robinson, Comput. Optim. Appl. 60 (2015) 311–341)."""
     finished = Mock(wraps=signorini.nnls)
     monkeypatch.setattr(signorini, "nnls", finished)
-    S, N = sps.csc_array([[4.0, 5, -5], [5, 9, -5], [-5, -5, 7]]), sps.eye_array(3, format="csr")
+    S = sps.csc_array([[4.0, 5, -5], [5, 9, -5], [-5, -5, 7]])
+    N = sps.eye_array(3, format="csr")
     for times, b in enumerate(([-2.0, -1, 3], [2.0, 1, -3]), start=1):
         require_optimal(S, N, np.array(b), Signorini(S, N)(np.array(b)), 1e-12)
         assert finished.call_count == times
@@ -111,7 +114,8 @@ LARGE = [
 def disturbed(S, N):
     """Loads that press some vertices on the foundation and lift others, more and more of them."""
     rng = np.random.default_rng(5)
-    smooth, forces = S @ rng.standard_normal(S.shape[0]), N.T @ rng.standard_normal(N.shape[0])
+    smooth = S @ rng.standard_normal(S.shape[0])
+    forces = N.T @ rng.standard_normal(N.shape[0])
     return [smooth + k * forces for k in range(3)]
 
 
@@ -140,11 +144,15 @@ def test_the_optimality_conditions_hold_to_rounding_or_the_tolerance_from_any_st
 def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(name, family, levels, monkeypatch):
     """In the norm of V over a trajectory, with the tolerance that a space of that size is given."""
     monkeypatch.setattr("study.solve.multigrid.FACTORED", {2: 0, 3: 0})
-    solution, shares = named(name).solution, []
+    solution = named(name).solution
+    shares = []
     for n in levels:
         setup = Experiment.of(solution, family, n, MIDPOINT, 8)
-        space, v_norm, problem = setup.space, setup.v_norm, setup.problem
-        states, exact = list(MIDPOINT.march(problem, 8)), path(replace(problem, solver=Signorini), MIDPOINT, 8)
+        space = setup.space
+        v_norm = setup.v_norm
+        problem = setup.problem
+        states = list(MIDPOINT.march(problem, 8))
+        exact = path(replace(problem, solver=Signorini), MIDPOINT, 8)
         errors = [v_norm.distance(v_norm.sample(state.time), u) for state, u in zip(states, exact, strict=True)]
         shares.append(furthest(problem, np.array([state.u for state in states]), exact) / max(errors))
         assert max(state.residual() for state in states) <= residual(space.dim, space.dofs)
@@ -158,7 +166,8 @@ def iterations(name, n, every):
     space = space_on(body, n)
     solve = Multigrid(step_matrix(name, space), space.N, space.free_points, EXACT)
     solve.hold(np.arange(space.N.shape[0]) % every == 0 if every else np.zeros(space.N.shape[0], dtype=bool))
-    b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
+    b = solve.free * np.random.default_rng(2).standard_normal(space.dofs)
+    count = []
     preconditioner = LinearOperator(solve.cut.shape, matvec=solve.cycle, dtype=float)
     cg(solve.cut, b, rtol=1e-8, M=preconditioner, callback=count.append)
     return len(count)
@@ -175,7 +184,8 @@ def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name, n):
 def test_the_same_matrix_gives_the_same_solution_to_the_bit():
     """pyamg draws random numbers; nobody else's change."""
     S, N, x = matrices(*LARGE[0])
-    b, found = disturbed(S, N)[1], []
+    b = disturbed(S, N)[1]
+    found = []
     for seed in (3, 4):
         np.random.seed(seed)
         found.append(np.concatenate(Multigrid(S, N, x, 1e-6)(b)))
@@ -188,8 +198,11 @@ def test_the_same_matrix_gives_the_same_solution_to_the_bit():
 @pytest.mark.parametrize("seed", [33, 83, 122])
 def test_active_sets_that_go_in_circles_are_broken_up(seed, monkeypatch):
     rng = np.random.default_rng(seed)
-    root, normals = rng.standard_normal((18, 9)), sps.diags_array(rng.choice([-1.0, 1.0], 18), format="csr")
-    S, b, x = sps.csc_array(root @ root.T + 0.1 * np.eye(18)), rng.standard_normal(18), rng.standard_normal((3, 6))
+    root = rng.standard_normal((18, 9))
+    normals = sps.diags_array(rng.choice([-1.0, 1.0], 18), format="csr")
+    S = sps.csc_array(root @ root.T + 0.1 * np.eye(18))
+    b = rng.standard_normal(18)
+    x = rng.standard_normal((3, 6))
     require_optimal(S, normals, b, Multigrid(S, normals, x, EXACT)(b), 2 * EXACT, 1e-13)
     monkeypatch.setattr("study.solve.multigrid.PATIENCE", 1000)
     with pytest.raises(MultigridError):
@@ -199,11 +212,13 @@ def test_active_sets_that_go_in_circles_are_broken_up(seed, monkeypatch):
 @st.composite
 def problems(draw):
     """Any positive definite S, and some rows at some vertices in any directions."""
-    d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 2 * COARSEST))
+    d = draw(st.integers(2, 3))
+    vertices = draw(st.integers(1, 2 * COARSEST))
     rng = draw(RANDOM)
     n = d * vertices
     root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
-    share, rows_at = draw(st.floats(0, 1)), []
+    share = draw(st.floats(0, 1))
+    rows_at = []
     for held in rng.random(vertices) < share:
         rows = held * rng.integers(1, d + 1)
         directions = np.linalg.qr(rng.standard_normal((d, d)))[0][:rows]
@@ -219,7 +234,8 @@ def test_any_positive_definite_matrix_with_any_normals_and_gaps_is_served_by_bot
     """S may have parts that nothing joins, unknowns without neighbours, and unknowns with many."""
     S, N, x, rng = problem
     gap = rng.random(N.shape[0])
-    b, condensed = 3 * rng.standard_normal(S.shape[0]), Signorini(S, N, x, gap)
+    b = 3 * rng.standard_normal(S.shape[0])
+    condensed = Signorini(S, N, x, gap)
     require_optimal(S, N, b, Multigrid(S, N, x, EXACT, gap)(b), 2 * EXACT, 1e-13, gap)
     require_optimal(S, N, b, condensed(b), 1e-8, gap=gap)
     assert close(S @ condensed.factor(b), b, 1e-9)

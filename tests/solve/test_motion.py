@@ -29,7 +29,8 @@ def test_stress_and_contact_forces_are_in_equilibrium_with_the_load(case):
     solution = resolve(case).solution
     family, level = (Unstructured(), 6) if solution.body.dim == 2 else (FAMILIES[0], 3)
     motion = Motion.of(solution, family, level, 8)
-    space, load = motion.space, ErrorNorm(motion.solution, motion.space).load
+    space = motion.space
+    load = ErrorNorm(motion.solution, motion.space).load
     for frame in motion.frames[1:]:
         force = load(frame.time)
         defect = space.functional(frame.stress) + space.N.T @ frame.multipliers - force

@@ -67,11 +67,13 @@ def test_a_march_has_a_step_or_more_and_asks_for_loads_at_the_times_that_its_sch
 def test_every_step_balances_forces_as_its_scheme_says(scheme, case):
     """M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + Nᵀλ_n = F, the first steps by the scheme that takes them."""
     setup = Experiment.of(resolve(case).solution, OneDiagonal(), 6, scheme, 9)
-    problem, k = setup.problem, setup.problem.T / 9
+    problem = setup.problem
+    k = setup.problem.T / 9
     states = [*scheme.march(problem, 9)]
     for n in range(1, 10):
         taken = scheme.of_step(n)
-        u, before = states[n].u, [state.u for state in states[:n]]
+        u = states[n].u
+        before = [state.u for state in states[:n]]
         between = taken.theta * u + (1 - taken.theta) * before[-1]
         load = problem.load(taken.balanced(n, k))
         inner = problem.M @ taken.rate(u, before, k) + problem.elastic(between)
@@ -96,7 +98,8 @@ def least(problem, scheme, k):
 
 @pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT])
 def test_where_g_is_a_multiple_of_a_no_longer_step_would_do(scheme):
-    problem, longest = unloaded(EVEN), scheme.longest(EVEN.growth)
+    problem = unloaded(EVEN)
+    longest = scheme.longest(EVEN.growth)
     assert longest == pytest.approx(scheme.newest / scheme.theta / 2)
     assert least(problem, scheme, 0.999 * longest) > 0 > least(problem, scheme, 1.001 * longest)
 
@@ -152,7 +155,9 @@ def test_a_fixed_point_that_does_not_settle_says_so():
 )
 def test_each_part_of_the_residual_of_a_step_has_its_value(u, forces, load, expected):
     """On two vertices with the gap 1/4; all other parts are 0."""
-    M, C, N = sps.csc_array(np.eye(2)), sps.csc_array((2, 2)), sps.csr_array(np.eye(2))
+    M = sps.csc_array(np.eye(2))
+    C = sps.csc_array((2, 2))
+    N = sps.csr_array(np.eye(2))
     problem = SemiDiscrete(M, C, None, N, np.zeros_like, np.zeros(2), 1.0, gap=np.full(2, 0.25))
     step = problem.stepper(MIDPOINT, 0.5)
     v, multipliers, load = np.array([u, forces, load])
@@ -174,7 +179,8 @@ def random_problem(rng):
     B *= kappa / np.linalg.norm(B, 2)
     gamma = float(max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2))
     C = L @ B @ L.T
-    symmetric, N = (C + C.T) / 2, -sps.eye_array(3, format="csr")
+    symmetric = (C + C.T) / 2
+    N = -sps.eye_array(3, format="csr")
     amplitude = rng.standard_normal((3, 3))
     frequency = rng.uniform(0, 12)
     jump = rng.uniform(0.1, 0.9)

@@ -75,7 +75,8 @@ def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side()
 def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(factor):
     """Right moments of the pressure leave an error in L² alone."""
     setup = Experiment.at(Setting("full-contact", "one-diagonal", 4), MIDPOINT, 4)
-    forces, times = Forces(setup), np.array([0.3, 0.7])
+    forces = Forces(setup)
+    times = np.array([0.3, 0.7])
     pressures = [face.weights[:, None] * face.exact.pressure(times).reshape(-1, 2) for face in forces.faces]
     moments = np.concatenate([face.functions.T @ p for face, p in zip(forces.faces, pressures, strict=True)])
     squares, sizes = forces.squares(times, factor * moments.T)

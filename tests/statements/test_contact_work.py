@@ -86,7 +86,8 @@ def verdicts(statement, rows):
 
 def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off_the_contact_zone(monkeypatch):
     """A constant is added to the pressure: the seminorm does not see it."""
-    settings, stated = grid(("merging-patches",), (GRID,), (16, 32)), FaceFields.stated_pressure
+    settings = grid(("merging-patches",), (GRID,), (16, 32))
+    stated = FaceFields.stated_pressure
     assert set().union(*verdicts(EdgeWork(), measured(EdgeWork(), settings)).values()) == {HOLDS}
     monkeypatch.setattr(FaceFields, "stated_pressure", lambda self, time: np.asarray(stated(self, time) + 1e4))
     found = verdicts(EdgeWork(), measured(EdgeWork(), settings[1:]))
@@ -139,7 +140,8 @@ def coarse():
 
 def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse):
     """R grows like t², whose midpoint rule with eight nodes is known."""
-    solution, space = coarse.solution, coarse.space
+    solution = coarse.solution
+    space = coarse.space
     at_end = -pressing_on(coarse)(1.0) @ space.interpolate(solution.at(space.mesh.p).displacement(1.0))
     expected = at_end * np.mean(((np.arange(8) + 0.5) / 8) ** 2)
     assert TotalWork(solution)(vertices_on(space)) == pytest.approx(expected, rel=1e-3)

@@ -47,4 +47,5 @@ def test_an_order_is_judged_where_nobody_knows_the_error():
     assert verdicts(EnclosedError(), UNKNOWN.assign(highest=1.2 * UNKNOWN["highest"])) == {"order": UNDECIDED}
     assert verdicts(BoundedError(), UNKNOWN.assign(trajectory="bound")) == verdicts(EnclosedError(), UNKNOWN[:1]) == {}
     (order,) = EnclosedError().judge(UNKNOWN.assign(expected_order=math.nan))
-    assert (order.verdict, order.expected) == (REPORTED, enclosure.UNPREDICTED)
+    assert order.verdict == REPORTED
+    assert order.expected == enclosure.UNPREDICTED

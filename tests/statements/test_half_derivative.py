@@ -25,7 +25,9 @@ def found(statement, *levels, case=NATURAL_MOTION, families=("one-diagonal",)):
 
 def every_second_step(S, N):
     """A contact solver that imposes the constraint in every second step only."""
-    contact, free, calls = Signorini(S, N), Signorini(S, N[:0]), count()
+    contact = Signorini(S, N)
+    free = Signorini(S, N[:0])
+    calls = count()
 
     def solve(b):
         return contact(b) if next(calls) % 2 else (free(b)[0], np.zeros(N.shape[0]))

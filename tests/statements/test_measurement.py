@@ -24,7 +24,8 @@ def measured(name, n=8):
 def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch):
     found = measured("no-contact", 4)
     assert found.clamped() == 0
-    inside, off = Space.nodal, np.array([[0.3], [0.4]])
+    inside = Space.nodal
+    off = np.array([[0.3], [0.4]])
     largest = np.linalg.norm(found.experiment.space.nodal(found.worst.u) + off, axis=0).max()
     monkeypatch.setattr(Space, "nodal", lambda space, u: inside(space, u) + off)
     assert found.clamped() == pytest.approx(0.5 / largest)

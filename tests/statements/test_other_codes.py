@@ -64,7 +64,9 @@ EVERY = {peer.key: HOLDS for peer in PEERS} | {"own-digits": HOLDS}
 def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name):
     """∫ p Σ_i φ_i over the vertices i of a piece of Γ3 that are not clamped; a front may cross a facet."""
     task = Task(resolve(name), Unstructured(), 8)
-    time, mesh, expected = 0.61 * task.solution.body.T, task.space.mesh, []
+    time = 0.61 * task.solution.body.T
+    mesh = task.space.mesh
+    expected = []
     for face, (part, free) in zip(task.solution.faces, task.space.contact, strict=True):
         basis = FacetBasis(mesh, ElementTriP1(), facets=task.space.facets(part), intorder=40)
         carried = basis.zeros()
@@ -86,9 +88,11 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
 def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name, family, level):
     """On several faces with different normals."""
     task = Task(resolve(name), family, level)
-    mesh, time = task.space.mesh, 0.61 * task.solution.body.T
+    mesh = task.space.mesh
+    time = 0.61 * task.solution.body.T
     at_vertices = task.solution.at(mesh.p)
-    viscous, total = at_vertices.law.A(at_vertices.strain_rate(time)), at_vertices.stress(time)
+    viscous = at_vertices.law.A(at_vertices.strain_rate(time))
+    total = at_vertices.stress(time)
     for kind, stress in ((Kind.CONTACT, viscous), (Kind.LOADED, total)):
         for (part, facets), found in zip(task.space.on(kind), task.tractions(kind, time), strict=True):
             expected = np.einsum("ij...,j->i...", full(stress[:, mesh.facets[:, facets]]), part.normal)
@@ -123,12 +127,14 @@ def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undec
     assert without.verdict == UNDECIDED
     assert "1 problems lack an error" in without.expected
     gone = judged(others[~of(others, peer.code, peer.variant)])[peer.key]
-    assert (gone.verdict, np.isnan(gone.observed)) == (UNDECIDED, True)
+    assert gone.verdict == UNDECIDED
+    assert np.isnan(gone.observed)
 
 
 def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path):
     tables = {LISTED: ours(), OTHERS: OTHERS.read(tmp_path)}
     for rows in (joined(OtherCodes(), tables), ours()):
         (only,) = OtherCodes().judge(rows)
-        assert (only.key, only.verdict) == ("none", REPORTED)
+        assert only.key == "none"
+        assert only.verdict == REPORTED
         assert "make codes" in only.expected

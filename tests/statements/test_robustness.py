@@ -60,7 +60,8 @@ def changed(case, by):
     if case.name == "lift-and-land":  # p jumps by a ẇ at the landing
         by = by._replace(pressure=by.gap * by.A)
     law = KelvinVoigt(other(case.solution.law.A, by.A), other(case.solution.law.G, by.G), case.solution.law.name)
-    body, faces = case.solution.body, (face for face in case.solution.faces if isinstance(face, m.ContactFace))
+    body = case.solution.body
+    faces = (face for face in case.solution.faces if isinstance(face, m.ContactFace))
     return replace(
         case, solution=m.ExactSolution(body, law, tuple(other_face(face, law, body.T, by) for face in faces))
     )
@@ -72,8 +73,10 @@ def other(operator, scale):
 
 
 def other_face(face, law, T, by):
-    gap, pressure = Rational(by.gap), Rational(by.pressure)
-    strain, slip = face.strain, tuple(Rational(by.slip) * z for z in face.slip)
+    gap = Rational(by.gap)
+    pressure = Rational(by.pressure)
+    strain = face.strain
+    slip = tuple(Rational(by.slip) * z for z in face.slip)
     if isinstance(strain, m.Prescribed):
         ((end, formula),) = strain.phases
         return replace(face, gap=gap * face.gap, strain=m.Prescribed(((end, pressure * formula),)), slip=slip)

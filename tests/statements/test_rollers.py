@@ -26,7 +26,8 @@ def test_every_level_has_its_rollers_by_name_and_other_names_mean_none():
 
 
 def trajectories(family, level):
-    solution, space = rollers(level)[0].solution, space_of(Setting(f"{own.ROLLER}-{level}", family, level))
+    solution = rollers(level)[0].solution
+    space = space_of(Setting(f"{own.ROLLER}-{level}", family, level))
     return own.Trajectories.of(own.OnContact(Resolved(solution, space)), round(own.PER_H * level * space.body.T))
 
 
@@ -37,7 +38,9 @@ def coarse():
 
 def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_it(coarse):
     """The load of a step is that of the midpoint rule with P_hu̇ and P_hu from both ends."""
-    on, k, steps = coarse.on, coarse.k, coarse.steps
+    on = coarse.on
+    k = coarse.k
+    steps = coarse.steps
     N = on.at.space.N
 
     def during(values):
@@ -71,7 +74,8 @@ def predicted(kind, family, n):
 def data(excess=predicted, right=2.0, changed=1.001, step=2.0):
     found = []
     for setting in own.Rollers().places(full=True):
-        family, n = setting.family, setting.level
+        family = setting.family
+        n = setting.level
         numbers = dict.fromkeys(("error", "E_h", "excess at T", "M_h beside"), 1 / n) | {"right side": right / n}
         numbers["excess"] = excess(setting.case.removesuffix(f"-{n}"), family, n)
         if n == own.HALVED and family not in own.SEEDS[1:]:

@@ -35,7 +35,8 @@ def found(change, name="full-contact"):
 def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(name, q):
     """(q k)^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes, R = Σ q^{N−n} g_n^{1/2}, kγ = 1 − 1/q."""
     displacements, honest = both(name)
-    law, k = honest.law, displacements.T / STEPS
+    law = honest.law
+    k = displacements.T / STEPS
     states = [*honest.march(STEPS)][1:]
     size_u = max(norm(displacements, state.u) for state in states)
     size_s = max(np.linalg.norm(np.sqrt(honest.space.volumes) * state.stress) for state in states)

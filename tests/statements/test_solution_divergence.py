@@ -49,7 +49,8 @@ def test_a_law_that_is_softer_than_it_says_diverges_faster_than_its_bound():
         def growth(self):
             return 1.0
 
-    law, setup = divergence.even_law(2, 1.1), Experiment.at(Setting("softening", "one-diagonal", 2), MIDPOINT, 1)
+    law = divergence.even_law(2, 1.1)
+    setup = Experiment.at(Setting("softening", "one-diagonal", 2), MIDPOINT, 1)
     assert divergence.over_bound(setup, law, 1.0) == pytest.approx(1, abs=1e-9)
     steps = divergence.steps_for(law, 1.0)
     expected = ((1 - 1 / steps) / (1 - 1.1 / steps)) ** steps

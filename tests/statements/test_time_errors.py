@@ -47,7 +47,8 @@ def test_every_row_about_backward_euler_can_fail(in_time, quantity, factor, key)
 
 
 def error_over_k(scheme, steps):
-    problem, exact = two_unknowns(), solution_of_two_unknowns(np.arange(steps + 1) / steps)
+    problem = two_unknowns()
+    exact = solution_of_two_unknowns(np.arange(steps + 1) / steps)
     return steps * furthest(problem, path(problem, scheme, steps), exact)
 
 

@@ -98,7 +98,8 @@ def test_a_stress_is_admissible_on_every_mesh_and_body(name, family, degree, mon
     work = balance.assemble(tested, **{name: DiscreteField(values) for name, values in fields.items()})
 
     s, weights = gauss(4)
-    shapes, pressure = bernstein(degree, np.array([1 - s, s])), equilibrium.pressure(stress)
+    shapes = bernstein(degree, np.array([1 - s, s]))
+    pressure = equilibrium.pressure(stress)
     pressures = iter(np.split(pressure, np.cumsum([len(edges) for _, edges in space.on(Kind.CONTACT)])))
     held = np.empty(0, dtype=int)
     for part, edges in zip(space.body.parts, space.parts, strict=True):
@@ -125,7 +126,8 @@ def moments_of(space, displacement):
 
 def pressed_square():
     """f_0 and f_2 of u = t v with v = (0, −y(1 − y)), pressed on y = 0, clamped at y = 1: σ is linear in x and in t."""
-    v, body = sp.Matrix([0, -x2 * (1 - x2)]), unit_square()
+    v = sp.Matrix([0, -x2 * (1 - x2)])
+    body = unit_square()
     return Data.formulas(body, LAW, *loads(stress(LAW.A, v) + stress(LAW.G, t * v), body))
 
 
@@ -167,14 +169,17 @@ def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, fam
     solution = resolve(name).solution
     space, loads, _, _ = stress_at(solution, family, degree)
     C = tensor_at(solution.law.A, space.points)
-    compliance, strain = np.linalg.inv(C), -solution.at(space.points).strain(0.4)
+    compliance = np.linalg.inv(C)
+    strain = -solution.at(space.points).strain(0.4)
     equilibrium = Equilibrium(space, compliance)
-    stress, target = equilibrium(loads, strain), act(C, -strain)
+    stress = equilibrium(loads, strain)
+    target = act(C, -strain)
     nearest = equilibrium.nearest(loads, target, np.zeros((len(equilibrium.contact), degree + 1)))
     assert close(nearest.values + target, stress.values, 1e-10)
     others = strain[:, None] + abs(strain).max() * rng.normal(size=(3, 40, *space.weights.shape))
     differences = equilibrium(together([loads] * 40), others).values - stress.values[:, None]
-    slope, complementary = act(compliance, stress.values) + strain, act(compliance, differences)
+    slope = act(compliance, stress.values) + strain
+    complementary = act(compliance, differences)
     work = np.einsum("Icq,Iicq,cq->i", slope, differences, space.weights)
     size = np.einsum("Iicq,Iicq,cq->i", complementary, differences, space.weights)
     assert (work >= -1e-9 * size).all()
@@ -202,7 +207,8 @@ SMOOTH = {"stress": 2, "strain": 2, "pressure": 2, "displacement": 2, "primal_st
 
 def judged(orders, levels=3, **changed):
     """Verdicts about errors 2 h^p on one-diagonal meshes, for a smooth solution."""
-    n, family = 2 ** np.arange(3, 3 + levels), "one-diagonal"
+    n = 2 ** np.arange(3, 3 + levels)
+    family = "one-diagonal"
     h = 1 / n
     row = {"case": "a", "family": family, "level": n, "h": h, "best": h**2, "stress_sup": h**2}
     row |= {"admissibility": 1e-13, "time_share": 0.1} | {name: 2 * h**p for name, p in orders.items()}
@@ -228,7 +234,8 @@ def test_predicted_orders_hold_and_every_other_one_fails():
     assert {verdict for key, verdict in alone.items() if key.startswith("order")} == {UNDECIDED}
 
 
-FRONT, CORNER = {"gap": 4, "pressure": 2, "moving": True}, {"corner": 0.5445}
+FRONT = {"gap": 4, "pressure": 2, "moving": True}
+CORNER = {"corner": 0.5445}
 
 
 @pytest.mark.parametrize(
@@ -280,7 +287,8 @@ def test_a_traction_that_no_admissible_stress_has_is_measured(kind, traction, vi
 def test_the_mean_of_f0_is_exact_on_cells_that_moving_fronts_cross(family, time, count):
     """By a rule of high degree on quarters of the thirds of cells, which is divided at the fronts."""
     solution = resolve("merging-patches").solution
-    space, data = StressSpace(family(solution.body, 6), solution.body), Data.of(solution)
+    space = StressSpace(family(solution.body, 6), solution.body)
+    data = Data.of(solution)
     thirds, _ = alfeld_split(space.mesh)
     fronts = [Line(*front) for front in solution.fronts(time)]
     assert len(fronts) == count
