@@ -49,7 +49,7 @@ def test_bounds_follow_the_units(unit, size):
     found = bounded(problem(length=L, time=T, A=F, G=F / T, f0=F / T / L**2, f2=F / T / L))
     expected = unscaled()
     for name in ("lowest", "highest", "upper", "lower"):
-        assert getattr(found, name) == pytest.approx(math.sqrt(F) * getattr(expected, name), rel=1e-6)
+        assert getattr(found, name) == pytest.approx(math.sqrt(F) * getattr(expected, name))
 
 
 NONE = {"f0": 0.0, "f2": 0.0, "u0": 0.0}
