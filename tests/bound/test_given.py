@@ -100,6 +100,13 @@ def field():
     return {"points": mesh.p.T, "triangles": mesh.t.T, "times": times, "u": u}
 
 
+def test_a_peak_between_nearly_equal_times_is_a_part_of_the_error():
+    arrays = field()
+    arrays["u"] = np.array([0, 0, 9, 0, 0])[:, None, None] * arrays["u"][-1]
+    arrays["times"] = np.array([0.0, 0.3, 0.3 + 1e-11, 0.3 + 2e-11, 1.0])
+    assert bound_displacement(PROBLEM, **arrays, refine=0, shorter=1).error[1] > 1
+
+
 @of_both_degrees
 @pytest.mark.parametrize("refinements", [0, 1, 2])
 def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement_and_other_meshes_are_refused(

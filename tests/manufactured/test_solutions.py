@@ -142,6 +142,18 @@ def test_a_face_slips_without_friction_under_laws_that_no_case_has(name, rng):
     assert_allclose(u, z, atol=1e-12)
 
 
+@pytest.mark.parametrize("dim", SLIP)
+def test_on_a_face_whose_gap_and_normal_strain_rest_the_slip_may_move(dim):
+    body = {2: unit_square(), 3: box()}[dim]
+    (floor,) = body.of(CONTACT)
+    strain = Prescribed(((1.0, Integer(-1)),), VARIABLES[dim])
+    law = KelvinVoigt(isotropic(1, 0.5, dim), isotropic(1, 0.5, dim), "equal")
+    face = ContactFace(floor, Integer(0), strain, Integer(1), slip=SLIP[dim])
+    step = 1e-20
+    at = ExactSolution(body, law, (face,)).at(floor.point(np.full((dim - 1, 1), 0.3)))
+    assert_allclose(at.displacement(0.5 + 1j * step).imag / step, at.velocity(0.5), atol=1e-14)
+
+
 @pytest.mark.parametrize("convex", [FrobeniusBall, DeviatoricBall])
 @pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
 def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, body):
