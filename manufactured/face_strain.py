@@ -51,9 +51,9 @@ from manufactured.tensors import Array, Time, with_time_axis
 Integrals = Callable[[Array, Array], Values]
 """The type of integrals over time ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points s of a contact face.
 
-P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate. The
-starting times a are fixed. A call with times b, (n,), and the indices of n of the points, (n,), returns a dict from the
-multi-index i of the derivative along the face to the values of the integrals up to the times b, (n,).
+P is the contact pressure divided by the viscosity, on times at which the pressure is smooth, and λ is the relaxation
+rate. The starting times a are fixed. A call with times b, (n,), and the indices of n of the points, (n,), returns a
+dict from the multi-index i of the derivative along the face to the values of the integrals up to the times b, (n,).
 """
 Prepare = Callable[[Array, Array, Array, int], Integrals]
 """The type of a function that prepares integrals over time. Its arguments are
@@ -184,7 +184,8 @@ The error is estimated by the difference between the rule on an interval and the
 def smooth_integrals(branch: sp.Expr, variables: Symbols, decay: float) -> Prepare:
     """Return the function that prepares integrals over time of a smooth function P by Gauss's rule.
 
-    The arguments are those of ``polynomial_integrals``. The result raises FormulaError if P changes too fast in time.
+    It has the same arguments as ``polynomial_integrals``. The returned function raises FormulaError if P changes too
+    fast in time.
     """
     jet = Jet(branch, variables)
 

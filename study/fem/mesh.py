@@ -413,7 +413,7 @@ def _images(body: Body) -> Points | None:
 def _parallelepiped(body: Body) -> Points | None:
     """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
     first, *others = body.corners.T
-    # In this order the edges of the unit cube are found as e_1, e_2, e_3.
+    # In this order the search returns the edges e_1, e_2, e_3 for the unit cube.
     for ends in permutations(reversed(others), 3):
         edges = np.transpose(ends - first)
         if abs(np.linalg.det(edges) - body.measure) <= 1e-9 * body.measure:

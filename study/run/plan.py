@@ -188,10 +188,10 @@ def shape(body: Body) -> Hashable:
 
 
 NARROW_CASES = ("merging-patches", "layered")
-"""Cases whose contact zones or layers are only three or four cells wide with n = 8. There the
-observed order depends on the mesh, so these cases begin with a finer level. In the full study, cases in 3D begin with
-n = 9 for the same reason. With n = 6, a contact zone in the form of a disc is three cells wide, and on one random mesh
-in twenty the observed order would lie outside its window. The quick study has only one-diagonal meshes in 3D."""
+"""Cases whose contact zones or layers are only three or four cells wide with n = 8. There the observed order depends on
+the mesh, so these cases begin with a finer level. In the full study, cases in 3D begin with n = 9 for the same reason.
+With n = 6, a contact zone in the form of a disc is three cells wide, and on one random mesh in twenty the observed
+order would lie outside its window. The quick study has only one-diagonal meshes in 3D."""
 
 
 FINER_CASES = ("advance-recede", "yield-and-release", "yield-on-a-part", "corner", "hexagon")
