@@ -87,7 +87,7 @@ ROTATION_STARTS = {
     "double-well": "shaken",
 }
 """Mesh families of the first time scheme, for some cases. Other cases start with the first family that they name."""
-CHECKED, CHECKED_LEVEL = "advance-recede", 32
+CHECKED, CHECKED_LEVEL = "advance-recede", 16
 """The case and the level for which the documentation promises a tight enclosure."""
 
 
@@ -124,7 +124,7 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
     if not full:
         for name, mesh, method in QUICK:
             if name in studied:
-                yield BoundSetting(name, mesh, 8, method, SmoothedInTime())
+                yield BoundSetting(name, mesh, 6, method, SmoothedInTime())
         if CHECKED in studied:
             yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
             yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
@@ -137,7 +137,7 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
         yield from by_midpoint(case.name, serving[first], (16,), SmoothedInTime())
         yield from by_midpoint(case.name, serving[first], (4, 8) if case.name != CHECKED else (), Refined(1, 2))
     if CHECKED in studied:
-        yield from by_midpoint(CHECKED, "shaken", (8, 16, CHECKED_LEVEL), Refined(1, 4))
+        yield from by_midpoint(CHECKED, "shaken", (4, 8, CHECKED_LEVEL), Refined(1, 4))
         yield from by_midpoint("ramp", "unstructured", (4, 8, 16), Refined(2, 2))
         yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
 

@@ -133,7 +133,7 @@ class Rates(FromRates):
 
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
-RESPONSE, MORE = 12, 4
+RESPONSE, MORE = 4, 4
 """Number of time steps with which the effect of the load's quadrature error on u^h is first estimated.
 
 ``MORE`` is the factor by which the number of steps is increased.

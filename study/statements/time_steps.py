@@ -157,7 +157,7 @@ class BackwardEuler(ListedNumbers):
             positive_at_most(0.1, "the reference solution hardly changes the error"),
         ),
     )
-    quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
+    quick = grid(("advance-recede",), ("shaken",), (4, 6, 9))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def setup(self, setting: Setting) -> Experiment:
@@ -347,7 +347,7 @@ class NoPotential(ListedNumbers):
             positive_at_most(0.1, "so the reference solution hardly changes the error"),
         ),
     )
-    quick = grid((NO_POTENTIAL,), ("one-diagonal",), (6, 8, 12))
+    quick = grid((NO_POTENTIAL,), ("one-diagonal",), (4, 6, 8))
     full = grid((NO_POTENTIAL,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
     def measure(self, setting: Setting) -> Numbers:
