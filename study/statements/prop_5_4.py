@@ -133,14 +133,6 @@ class Rates(FromRates):
 
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
-RESPONSE, MORE = 4, 4
-"""Number of time steps with which the effect of the load's quadrature error on u^h is first estimated.
-
-``MORE`` is the factor by which the number of steps is increased.
-
-The quadrature error changes from step to step and averages out over many steps, so a small number of steps
-overestimates its effect.
-"""
 NEGLIGIBLE_QUADRATURE = 0.01
 """Relative effect of quadrature errors on the error up to which a rough estimate with few time steps suffices."""
 
@@ -268,8 +260,9 @@ class Measurement:
         The degree of every rule on cells is raised by two, and points are not moved along lines of low regularity. Two
         changes are added. The first is the change of the error norm. The second is the change of u^h, which is
         estimated by the linear problem without contact whose load is the change of the load. This problem is solved
-        with RESPONSE steps. As long as the change is above NEGLIGIBLE_QUADRATURE, the number of steps is increased, up
-        to the steps of u^h.
+        with 4 time steps; if the change is then above NEGLIGIBLE_QUADRATURE, with 16, and at last with the steps of
+        u^h. The quadrature error changes from step to step and averages out over many steps, so a small number of steps
+        overestimates its effect.
         """
         experiment = self.experiment
         problem = experiment.problem
@@ -286,13 +279,12 @@ class Measurement:
             remainder=None,
             solver=contact_solver(experiment.space),
         )
-        steps = RESPONSE
-        while True:
+        for steps in (4, 16, 2 * experiment.steps):
             drift = maximum(norm(problem, state.u) for state in MIDPOINT.march(change, steps))
             effect = (abs(raised - error) + drift) / error
-            if not effect > NEGLIGIBLE_QUADRATURE or steps >= 2 * experiment.steps:
-                return effect
-            steps = min(MORE * steps, 2 * experiment.steps)
+            if effect <= NEGLIGIBLE_QUADRATURE:
+                break
+        return effect
 
 
 # Criteria for both propositions: the error has the right size, it is the error of u^h, and the influence of time steps,
