@@ -235,7 +235,6 @@ def quick() -> Scope:
         own=(
             *((name, Levels((16, 24, 36))) for name in NARROW_CASES),
             *((name, PLANE_LEVELS) for name in FINER_CASES),
-            ("cube-disc", Levels((6, 8, 10))),
         ),
     )
 

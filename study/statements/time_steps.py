@@ -157,7 +157,7 @@ class BackwardEuler(ListedNumbers):
             positive_at_most(0.1, "the reference solution hardly changes the error"),
         ),
     )
-    quick = grid(("advance-recede",), ("shaken",), (4, 6, 9))
+    quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def setup(self, setting: Setting) -> Experiment:
