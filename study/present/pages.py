@@ -51,13 +51,6 @@ CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 END = "<!-- end -->"
 REPOSITORY = Path(__file__).parents[2]
-MOVED = {
-    "study/statements/load_and_traction.py": "study/statements/wellposed.py",
-    "study/statements/prop_5_3.py": "study/statements/prop_5_4.py",
-    "study/statements/thm_4_2_own_space.py": "study/statements/thm_4_2.py",
-    "study/statements/uniqueness.py": "study/statements/wellposed.py",
-}
-"""Files that were moved since the committed results were measured ↦ their new places."""
 
 
 def main() -> None:
@@ -267,8 +260,7 @@ def statements(data: FullRun) -> str:
     shown = TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims.label.isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
-        moved = (MOVED.get(path, path) for path in where["code"])
-        code = next((path for path in moved if (REPOSITORY / path).is_file()), "study/run/provenance.py")
+        code = next((path for path in where["code"] if (REPOSITORY / path).is_file()), "study/run/provenance.py")
         cases = rows.case.unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])

@@ -240,7 +240,7 @@ def quick() -> Scope:
 
 
 def full() -> Scope:
-    """Return the scope of the full study, which takes half an hour: all cases, more mesh families and levels."""
+    """Return the scope of the full study, which takes 20 to 30 minutes: all cases, more meshes."""
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64)),
