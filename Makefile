@@ -7,6 +7,9 @@ RUNTIME := $(VENV)/.runtime
 DEVELOPMENT := $(VENV)/.development
 DOCUMENTATION := $(VENV)/.documentation
 CLUSTER := $(VENV)/.cluster
+# pip compiles one module after the other, and tests as well: half of the time of an installation.
+INSTALL := $(BIN)/python -m pip install --quiet --no-compile
+COMPILE := $(BIN)/python -m compileall -q -j 0 -x /tests/ $(VENV)/lib
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/explanation/verdicts.md docs/reference/columns.md
 
@@ -155,15 +158,17 @@ $(RUNTIME): requirements/runtime.txt pyproject.toml convergence_orders/pyproject
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Python 3.11 or newer is needed, $$($(PYTHON) --version 2>&1) was found: set PYTHON=..."; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/runtime.txt
-	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable ./convergence_orders --editable .
+	$(INSTALL) --require-hashes -r requirements/runtime.txt
+	$(INSTALL) --no-deps --no-build-isolation --editable ./convergence_orders --editable .
+	-$(COMPILE) study manufactured convergence_orders
 	touch $@
 
 $(VENV)/.%: requirements/%.txt $(RUNTIME)
-	$(BIN)/python -m pip install --quiet --require-hashes -r $<
+	$(INSTALL) --require-hashes -r $<
+	-$(COMPILE)
 	touch $@
 
-COMPILE := $(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --strip-extras --allow-unsafe \
+LOCK := $(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --strip-extras --allow-unsafe \
 	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-header
 
 # In this order: a package of several files gets the version of the first one. runtime.txt has setuptools as well, which
@@ -171,14 +176,14 @@ COMPILE := $(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --st
 lock:  ## renew the pins, requirements/
 	$(PYTHON) -m venv $(VENV)-lock
 	$(VENV)-lock/bin/python -m pip install --quiet dependency-groups pip-tools
-	$(COMPILE) --extra study --build-deps-for editable -o requirements/runtime.txt pyproject.toml
+	$(LOCK) --extra study --build-deps-for editable -o requirements/runtime.txt pyproject.toml
 	$(VENV)-lock/bin/python -m dependency_groups dev | \
-		$(COMPILE) -c requirements/runtime.txt -o requirements/development.txt -
+		$(LOCK) -c requirements/runtime.txt -o requirements/development.txt -
 	$(VENV)-lock/bin/python -m dependency_groups docs | \
-		$(COMPILE) -c requirements/runtime.txt -c requirements/development.txt -o requirements/documentation.txt -
-	$(COMPILE) --extra cluster -c requirements/runtime.txt -c requirements/development.txt -c requirements/documentation.txt \
+		$(LOCK) -c requirements/runtime.txt -c requirements/development.txt -o requirements/documentation.txt -
+	$(LOCK) --extra cluster -c requirements/runtime.txt -c requirements/development.txt -c requirements/documentation.txt \
 		-o requirements/cluster.txt pyproject.toml
-	$(COMPILE) --extra film -c requirements/runtime.txt -o requirements/film.txt pyproject.toml
+	$(LOCK) --extra film -c requirements/runtime.txt -o requirements/film.txt pyproject.toml
 	rm -rf $(VENV)-lock
 
 help:  ## list these targets and where their output lies
