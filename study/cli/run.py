@@ -173,7 +173,7 @@ def scope_from_options(options: Namespace) -> Scope:
     if options.levels:
         levels = Levels(tuple(options.levels))
         # Theorem 4.2 is tested on coarse levels only, because the interior-point method solves only small problems.
-        plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
+        plane, solid = ([n for n in options.levels if n <= most] for most in (8, 6))
         scope = replace(
             scope,
             plane=levels,
