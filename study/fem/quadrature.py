@@ -594,6 +594,8 @@ MOST_TIMES, MOST_VALUES = 32, 1 << 19
 
 Formulas are called less often for blocks of times. Larger blocks would leave the processor's cache.
 """
+MOST_POINTS = 250_000
+"""Largest number of quadrature points at which ``StrainEnergy`` evaluates the strain together."""
 MANY = 4
 """``StrainEnergy`` stores the energy as a matrix if it needs at most this many times the memory of the strain."""
 
@@ -822,16 +824,20 @@ class StrainEnergy:
     """
 
     def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
-        strain = strain_matrix(modes, len(weights))
-        form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
         self._strain: sps.csr_array | None = None
         of_form = sum(len(part.tensors) ** 2 * part.count for part in modes)
         of_strain = sum(part.shapes.size for part in modes)
         if of_form > MANY * of_strain:
-            self._strain = strain
-            self._form = form
-        else:
-            self._form = sps.csr_array(strain.T @ form @ strain)
+            self._strain = strain_matrix(modes, len(weights))
+            self._form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
+            return
+        # The strain at all points together would need most of the memory of a run.
+        forms = []
+        for first in range(0, len(weights), MOST_POINTS):
+            some = weights[first : first + MOST_POINTS]
+            strain = strain_matrix([part.among(first, first + MOST_POINTS) for part in modes], len(some))
+            forms.append(strain.T @ sps.kron(C, sps.diags_array(some)) @ strain)
+        self._form = sps.csr_array(sum(forms))
 
     def __call__(self, amplitudes: Amplitudes) -> Array:
         v = amplitudes if self._strain is None else self._strain @ amplitudes

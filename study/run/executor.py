@@ -333,8 +333,6 @@ def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -
     """
     measured = {job.case for job in jobs}
     needed = [case for case in cases if case in measured and store.load(*_proof(case)) is None]
-    # Solutions in 3D take longest.
-    needed.sort(key=lambda case: -resolve(case).solution.body.dim)
     futures = [executor.submit(violations, case) for executor, case in zip(cycle(pool.executors), needed, strict=False)]
     for case, future in zip(needed, futures, strict=True):
         if violated := future.result():

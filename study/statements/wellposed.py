@@ -128,9 +128,9 @@ class Korn(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        if not full:
-            return place(named("full-contact", "corner", "hexagon", "junction"), (4, 8, 16))
-        return place(first_with_each(body_of), (8, 16, 32, 64), (2, 4, 8))
+        if full:
+            return place(first_with_each(body_of), (8, 16, 32, 64), (2, 4, 8))
+        return place(named("full-contact", "corner", "hexagon", "junction"), (4, 8, 16))
 
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
