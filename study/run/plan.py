@@ -148,16 +148,13 @@ class Plan:
     def check(self) -> None:
         """Check before a run that all cases can be measured on all levels, and that every mesh fits its body.
 
-        The meshes of the quick and the full study are known to fit, so they are not made here.
-
         Raises:
             UsageError: the levels or the time scheme cannot be used, or a case of a user cannot be measured.
             MeshError: a mesh does not fit the boundary parts of a body, or there is no quadrature rule for a cell in
                 which the solution is not smooth.
         """
         self.scope.check()
-        if not self.scope.statements:
-            self._check_meshes()
+        self._check_meshes()
         for reference in self.scope.cases:
             check_own(reference)
 
