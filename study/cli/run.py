@@ -49,9 +49,8 @@ def do_run(options: Namespace) -> int:
     # Cache keys need all cases. Workers that are forked afterwards inherit the cases and need not make them again.
     missing = unfinished(plan.jobs, store)
     # More processes than jobs would have nothing to do.
-    with (
-        connected(options.cluster, scope.cases) if options.cluster else local_pool(min(options.jobs, len(plan.jobs)))
-    ) as pool:
+    workers = min(options.jobs, len(plan.jobs))
+    with connected(options.cluster, scope.cases) if options.cluster else local_pool(workers) as pool:
         refuse_too_large(missing, pool)
         # The meshes of the quick and the full study are known to fit.
         if options.case or options.levels:

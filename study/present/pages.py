@@ -50,10 +50,11 @@ TEXTS = read_page("results")
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 END = "<!-- end -->"
+REPOSITORY = Path(__file__).parents[2]
 
 
 def main() -> None:
-    """Write tables, badges and the animation: ``python -m study.present.pages RESULTS PAGE …`` in the repository."""
+    """Write tables, badges and the animation: ``python -m study.present.pages RESULTS PAGE …``."""
     directory, *pages = map(Path, sys.argv[1:])
     data = FullRun.read(directory)
     if data is None:
@@ -259,7 +260,7 @@ def statements(data: FullRun) -> str:
     shown = TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims.label.isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
-        code = next((path for path in where["code"] if Path(path).is_file()), "study/run/provenance.py")
+        code = next((path for path in where["code"] if (REPOSITORY / path).is_file()), "study/run/provenance.py")
         cases = rows.case.unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])

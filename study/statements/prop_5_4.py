@@ -61,7 +61,6 @@ from study.ledger.quantities import (
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve import multigrid
 from study.solve.evolution import State, norm
-from study.solve.multigrid import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import (
     ByCase,
@@ -266,10 +265,9 @@ class Measurement:
         """
         experiment = self.experiment
         problem = experiment.problem
-        time = self.worst.time
+        error = self.history[1].max()
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, aligned=False)
-        error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
-        raised = finer.distance(finer.sample(time), self.worst.u)
+        raised = finer.distance(finer.sample(self.worst.time), self.worst.u)
         change = replace(
             problem,
             load=lambda t: finer.load(t) - experiment.v_norm.load(t),
@@ -277,7 +275,6 @@ class Measurement:
             N=problem.N[:0],
             gap=0.0,
             remainder=None,
-            solver=contact_solver(experiment.space),
         )
         for steps in (4, 16, 2 * experiment.steps):
             drift = maximum(norm(problem, state.u) for state in MIDPOINT.march(change, steps))

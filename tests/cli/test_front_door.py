@@ -33,6 +33,7 @@ def file(tmp_path):
 def test_a_name_with_a_slip_is_answered_with_the_nearest_one(refused):
     assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in refused("run --case hexgon")
     assert "did you mean midpoint?" in refused("run --scheme midpiont")
+    assert "midpoint" in refused("run --scheme rk4")
 
 
 def test_an_option_with_a_slip_is_answered_with_the_nearest_one_and_all_options_of_the_command(told):
@@ -152,9 +153,12 @@ def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(c
     assert told(command).endswith(f"error: argument {flag}: must be {words}, got {value}\n")
 
 
-def test_an_own_case_with_the_name_of_another_and_levels_that_fit_no_mesh_are_refused(file, refused):
+def test_an_own_case_with_the_name_of_another_is_refused(file, refused):
     said = refused(f"run --case {file}:front --levels 2 4 8")
     assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in said
+
+
+def test_levels_with_meshes_that_do_not_fit_a_body_are_refused(refused):
     assert "level 5: facets of total length 0" in refused("run --levels 5 10 20")
 
 

@@ -174,8 +174,16 @@ solid = rough("cube-two-faces", 0.3)
 def test_rough_places_that_no_cell_rule_serves_are_refused_before_the_run(tmp_path, case, level, message):
     (tmp_path / "rough.py").write_text(ROUGH)
     levels = Levels((level,))
-    mine = replace(quick(), cases=(f"{tmp_path}/rough.py:{case}",), plane=levels, rough=levels, solid=levels)
-    small = replace(mine, equivalence=(), solid_equivalence=(), every_family=False, statements=False)
+    small = replace(
+        quick(),
+        cases=(f"{tmp_path}/rough.py:{case}",),
+        plane=levels,
+        rough=levels,
+        solid=levels,
+        equivalence=(),
+        solid_equivalence=(),
+        statements=False,
+    )
     with pytest.raises(MeshError, match=message):
         Plan.of(small).check()
 
